@@ -12,7 +12,7 @@ TEST(AnnotationText, CountsAllThatAFileHas) {
   annotations.entries = {Stroke{}, Measure{}, Stroke{}};
   EXPECT_EQ(describe_entries(annotations), "2 strokes, 1 measure");
   annotations.put_down = {PutDown{}};
-  EXPECT_EQ(describe_entries(annotations), "2 strokes, 1 measure, 1 object put down") << "somebody who moved a peg has not done nothing";
+  EXPECT_EQ(describe_entries(annotations), "2 strokes, 1 measure, 1 object put down") << "an object that was put down counts";
   annotations.put_down.push_back({});
   annotations.carved = {{.object = 1, .radius_m = 0.004, .carves = {Carve{}, Carve{}, Carve{}}}};
   EXPECT_EQ(describe_entries(annotations), "2 strokes, 1 measure, 2 objects put down, 3 carves");

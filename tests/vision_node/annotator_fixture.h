@@ -13,18 +13,19 @@
 
 namespace hapton {
 
-inline constexpr double kSphere = 0.03;
+inline constexpr double kBallRadius = 0.03;
+inline constexpr double kSceneRadius = 0.15;  // of a sphere around both balls
 inline constexpr std::uint32_t kPenButton = 2;
-inline constexpr std::uint32_t kRuleButton = 4;
+inline constexpr std::uint32_t kMeasureButton = 4;
 inline constexpr std::uint32_t kMenuButton = 8;
 
-// An annotator over two balls, of which the right one is at 0.1 m.
+// An annotator of a scene of two balls: the left one at the origin, the right one at x = 0.1 m.
 struct AnnotatorTest : testing::Test {
   AnnotatorTest() {
     for (const double x : {0.0, 0.1}) {
       SceneObject object;
       object.name = x > 0.0 ? "right" : "left";
-      object.mesh = make_marker({x, 0, 0}, kSphere);
+      object.mesh = make_marker({x, 0, 0}, kBallRadius);
       scene.objects.push_back(object);
       shown.push_back({object.mesh, {1, 0, 0}});
     }
@@ -33,7 +34,7 @@ struct AnnotatorTest : testing::Test {
     options.file = folder.path() / "notes.toml";
   }
   void open(bool can_touch = true) {
-    auto opened = Annotator::open(*view, scene, 0.15, options, can_touch);
+    auto opened = Annotator::open(*view, scene, kSceneRadius, options, can_touch);
     ASSERT_TRUE(opened) << opened.error().what;
     annotator = std::move(*opened);
   }
@@ -41,13 +42,14 @@ struct AnnotatorTest : testing::Test {
   void touch(const Vec3& direction, std::uint32_t buttons, std::int32_t object = 0, const Pose& X_WS = Pose::Identity()) {
     ProbeState state;
     const Vec3 centre = object == 1 ? Vec3(0.1, 0, 0) : Vec3(0, 0, 0);
-    state.p_WD = X_WS * (centre + 0.9 * kSphere * direction.normalized());
-    state.visual_offset_m = X_WS.linear() * (0.2 * kSphere * direction.normalized());
+    state.p_WD = X_WS * (centre + 0.9 * kBallRadius * direction.normalized());
+    state.visual_offset_m = X_WS.linear() * (0.2 * kBallRadius * direction.normalized());
     state.contact = true;
     state.object = object;
     state.buttons = buttons;
     annotator->receive(state, X_WS);
   }
+  // Moves the probe to free space, with these buttons held.
   void lift(std::uint32_t buttons = 0, const Vec3& at = Vec3(0, 0.09, 0)) {
     ProbeState state;
     state.p_WD = at;

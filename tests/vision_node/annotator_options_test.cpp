@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string said(const Result<void>& checked) { return checked ? "" : checked.error().what; }
+std::string error_text(const Result<void>& checked) { return checked ? "" : checked.error().what; }
 
 TEST(AnnotatorOptions, BothFilesMustBeWritableAndNeitherIsNeeded) {
   const ScratchFolder folder;
@@ -22,7 +22,7 @@ TEST(AnnotatorOptions, BothFilesMustBeWritableAndNeitherIsNeeded) {
     AnnotatorOptions options;
     options.file = notes;
     options.strokes = strokes;
-    return said(check_writable_files(options));
+    return error_text(check_writable_files(options));
   };
   const std::string good = (folder.path() / "good").string();
   EXPECT_EQ(check("", ""), "");
@@ -40,7 +40,7 @@ TEST(AnnotatorOptions, NamesSayTheKindOfFile) {
     AnnotatorOptions options;
     options.file = notes;
     options.strokes = strokes;
-    return said(check_annotator_options(options));
+    return error_text(check_annotator_options(options));
   };
   EXPECT_EQ(check("", ""), "");
   EXPECT_EQ(check("a.toml", "b.obj"), "");
@@ -56,7 +56,7 @@ TEST(AnnotatorOptions, EachTwoButtonsDifferUnlessBothAreNone) {
     options.draw_button = draw;
     options.measure_button = measure;
     options.menu_button = menu;
-    return said(check_annotator_options(options));
+    return error_text(check_annotator_options(options));
   };
   EXPECT_EQ(check(1, 2, 3), "");
   EXPECT_EQ(check(0, 0, 0), "");

@@ -16,8 +16,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Within a second the left ball grows to twice its size, and moves up.
-const Vec3 kUp(0.0, 0.06, 0.0);
+// Within a second the left ball grows to twice its size, and moves up by this.
+const Vec3 kUpwardMove(0.0, 0.06, 0.0);
 
 struct DeformingAnnotatorTest : AnnotatorTest {
   DeformingAnnotatorTest() {
@@ -25,7 +25,7 @@ struct DeformingAnnotatorTest : AnnotatorTest {
     const TriangleMesh& mesh = *scene.objects[0].mesh;
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
       target.vertices.push_back(v);
-      target.displacements.emplace_back(mesh.vertices[v] + kUp);
+      target.displacements.emplace_back(mesh.vertices[v] + kUpwardMove);
     }
     scene.objects[0].deformation =
         std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{target}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
@@ -34,7 +34,8 @@ struct DeformingAnnotatorTest : AnnotatorTest {
   void touch_at(double time_s, const Vec3& direction, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = time_s * kUp + 1.1 * (1.0 + time_s) * kSphere * direction.normalized();  // outside: the closest point is a vertex
+    state.p_WD =
+        time_s * kUpwardMove + 1.1 * (1.0 + time_s) * kBallRadius * direction.normalized();  // outside: the closest point is a vertex
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
@@ -52,8 +53,8 @@ TEST_F(DeformingAnnotatorTest, ADistanceIsMeasuredOnTheSurfaceAsItIs) {
   ASSERT_TRUE(view);
   open();
   touch_at(1.0, Vec3::UnitZ(), 0);
-  touch_at(1.0, Vec3::UnitZ(), kRuleButton);
-  touch_at(1.0, Vec3::UnitX(), kRuleButton);
+  touch_at(1.0, Vec3::UnitZ(), kMeasureButton);
+  touch_at(1.0, Vec3::UnitX(), kMeasureButton);
   ASSERT_EQ(entries().size(), 1U);
   // 2 r sqrt(2), where r is the radius at rest.
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 84.85 mm"));
@@ -64,8 +65,8 @@ TEST_F(DeformingAnnotatorTest, MarksGoAlongWithTheSurface) {
   options.strokes = folder.path() / "lines.obj";
   open();
   touch_at(0.0, Vec3::UnitZ(), 0);
-  touch_at(0.0, Vec3::UnitZ(), kRuleButton);
-  touch_at(0.5, Vec3::UnitX(), kRuleButton);
+  touch_at(0.0, Vec3::UnitZ(), kMeasureButton);
+  touch_at(0.5, Vec3::UnitX(), kMeasureButton);
   annotator->show(Pose::Identity());
   EXPECT_EQ(label(), "63.64 mm");
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 63.64 mm"));
@@ -73,17 +74,17 @@ TEST_F(DeformingAnnotatorTest, MarksGoAlongWithTheSurface) {
   touch_at(1.0, Vec3::UnitX(), 0);
   annotator->show(Pose::Identity());
   EXPECT_EQ(label(), "84.85 mm");
-  EXPECT_GT(annotator->revision(), before) << "the corner tells it too";
+  EXPECT_GT(annotator->revision(), before) << "the text in the corner shows it, too";
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 84.85 mm"));
   annotator->show(Pose::Identity());
   const auto after = annotator->revision();
   annotator->show(Pose::Identity());
   EXPECT_EQ(annotator->revision(), after) << "nothing is new";
-  // The measure is kept by points of the surface at rest, so that the file is the same at any time. The export has the present surface.
+  // The measure is stored as points of the surface at rest, so that the file is the same at any time. The export has the present surface.
   ASSERT_TRUE(annotator->finish());
-  const Measure& kept = std::get<Measure>(entries()[0]);
-  EXPECT_LE((kept.ends[0].p_O - kSphere * Vec3::UnitZ()).norm(), 1e-12);
-  EXPECT_LE((kept.ends[1].p_O - kSphere * Vec3::UnitX()).norm(), 1e-12);
+  const Measure& measure = std::get<Measure>(entries()[0]);
+  EXPECT_LE((measure.ends[0].p_O - kBallRadius * Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_LE((measure.ends[1].p_O - kBallRadius * Vec3::UnitX()).norm(), 1e-12);
   std::ostringstream exported;
   exported << std::ifstream(options.strokes).rdbuf();
   EXPECT_THAT(exported.str(), HasSubstr("# 0.08485"));
@@ -101,7 +102,7 @@ TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   const auto draw = [&](double time_s, double angle, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
-    state.p_WD = time_s * kUp + (1.0 + time_s) * kSphere * Vec3(std::sin(angle), 0.1, std::cos(angle));
+    state.p_WD = time_s * kUpwardMove + (1.0 + time_s) * kBallRadius * Vec3(std::sin(angle), 0.1, std::cos(angle));
     state.contact = true;
     state.object = 0;
     state.buttons = buttons;
@@ -112,10 +113,10 @@ TEST_F(DeformingAnnotatorTest, AStrokeStretchesWithTheSurface) {
   ASSERT_EQ(entries().size(), 1U);
   const std::vector<Vec3>& points = std::get<Stroke>(entries()[0]).points_m;
   EXPECT_GT(points.size(), 5U);
-  // Each point was on the ball in its size of that moment. They are kept as points of the ball at rest, which has 24 facets around.
+  // Each point was on the ball in its size of that moment. They are stored as points of the ball at rest, which has 24 facets around.
   for (const Vec3& p : points) {
-    EXPECT_LE(p.norm(), kSphere * (1.0 + 1e-12));
-    EXPECT_GE(p.norm(), kSphere * 0.98);
+    EXPECT_LE(p.norm(), kBallRadius * (1.0 + 1e-12));
+    EXPECT_GE(p.norm(), kBallRadius * 0.98);
   }
 }
 
@@ -126,11 +127,11 @@ TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
   MovedObjects moved(*view, scene);
   open();
   annotator->set_moved_objects(&moved);
-  const auto touch_then = [&](double time_s, double size, const Vec3& direction, std::uint32_t buttons) {
+  const auto touch_at_time = [&](double time_s, double size, const Vec3& direction, std::uint32_t buttons) {
     ProbeState state;
     state.scene_time_ns = std::llround(1e9 * time_s);
     moved.set_time(state.scene_time_ns);
-    state.p_WD = 1.1 * size * kSphere * direction;
+    state.p_WD = 1.1 * size * kBallRadius * direction;
     state.contact = true;
     state.object = 0;
     for (const std::uint32_t down : {buttons, 0U}) {
@@ -139,46 +140,46 @@ TEST_F(AnnotatorTest, MarksGoAlongWithASurfaceThatAProgramDeforms) {
     }
     annotator->show(Pose::Identity());
   };
-  touch_then(0.0, 1.0, Vec3::UnitZ(), 0);
-  touch_then(0.0, 1.0, Vec3::UnitZ(), kRuleButton);
-  touch_then(0.0, 1.0, Vec3::UnitX(), kRuleButton);
+  touch_at_time(0.0, 1.0, Vec3::UnitZ(), 0);
+  touch_at_time(0.0, 1.0, Vec3::UnitZ(), kMeasureButton);
+  touch_at_time(0.0, 1.0, Vec3::UnitX(), kMeasureButton);
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm"));
-  const std::vector<Vec3>& rest = scene.objects[0].mesh->vertices;
-  const auto total = static_cast<std::uint32_t>(rest.size());
+  const std::vector<Vec3>& vertices_at_rest = scene.objects[0].mesh->vertices;
+  const auto total = static_cast<std::uint32_t>(vertices_at_rest.size());
   moved.take(ShapeStart{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000}, Arrival::newest);
-  touch_then(1.5, 1.0, Vec3::UnitX(), 0);
+  touch_at_time(1.5, 1.0, Vec3::UnitX(), 0);
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm")) << "its vertices have not come";
   for (std::uint32_t first = 0; first < total; first += ShapePart::kVerticesPerPart) {
     ObjectShape part{.source = 5, .serial = 1, .part = {.total = total, .first = first}};
     for (std::uint32_t v = 0; v < part.part.count(); ++v) {
-      const Vec3& p = rest[first + v];
+      const Vec3& p = vertices_at_rest[first + v];
       part.part.displacements_m[v] = {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
     }
     moved.take(part, Arrival::newest);
   }
-  touch_then(1.5, 1.5, Vec3::UnitX(), 0);
+  touch_at_time(1.5, 1.5, Vec3::UnitX(), 0);
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 63.64 mm"));
   EXPECT_EQ(view->annotation_figure().labels()[0].text, "63.64 mm");
-  touch_then(2.5, 2.0, Vec3::UnitY(), kRuleButton);
-  touch_then(2.5, 2.0, Vec3::UnitX(), kRuleButton);
+  touch_at_time(2.5, 2.0, Vec3::UnitY(), kMeasureButton);
+  touch_at_time(2.5, 2.0, Vec3::UnitX(), kMeasureButton);
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 84.85 mm"));
   ASSERT_EQ(entries().size(), 2U);
-  const Measure& kept = std::get<Measure>(entries()[1]);
-  EXPECT_LE((kept.ends[0].p_O - kSphere * Vec3::UnitY()).norm(), 1e-8) << "by where it is at rest";
+  const Measure& measure = std::get<Measure>(entries()[1]);
+  EXPECT_LE((measure.ends[0].p_O - kBallRadius * Vec3::UnitY()).norm(), 1e-8) << "stored as a point of the surface at rest";
 }
 
 // A pit is carved as deep as the centre of the ball: the bottom of the pit is what is touched.
 TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
   ASSERT_TRUE(view);
-  constexpr float kPit = 0.005F;
+  constexpr float kPitRadius = 0.005F;
   constexpr double kVoxel = 0.001;
-  scene.objects[0].mesh = std::make_shared<const TriangleMesh>(make_icosphere(kSphere, 5));
-  scene.objects[0].sculpt = SculptSettings{.voxel_m = kVoxel, .tool_radius_m = kPit};
+  scene.objects[0].mesh = std::make_shared<const TriangleMesh>(make_icosphere(kBallRadius, 5));
+  scene.objects[0].sculpt = SculptSettings{.voxel_m = kVoxel, .tool_radius_m = kPitRadius};
   CarvedObjects carved(*view, scene);
   open();
   annotator->set_carved_objects(&carved);
   Carves carves{.source = 1, .newest = 1, .first = 1, .count = 1};
-  carves.carves[0] = {.object = 0, .from_m = {0, 0, 0.05F}, .to_m = {0, 0, kPit}, .radius_m = kPit};
+  carves.carves[0] = {.object = 0, .from_m = {0, 0, 0.05F}, .to_m = {0, 0, kPitRadius}, .radius_m = kPitRadius};
   carved.take(carves, Arrival::newest);
   for (int n = 0; n < 60'000 && !carved.is_up_to_date(); ++n) {
     carved.show();
@@ -192,15 +193,16 @@ TEST_F(AnnotatorTest, WhereMaterialIsGoneTheSurfaceThatIsLeftIsMeasured) {
     state.buttons = buttons;
     annotator->receive(state, Pose::Identity());
   };
-  press_at({0, 0, kPit - 0.0005}, 0);
-  press_at({0, 0, kPit - 0.0005}, kRuleButton);  // the tool touches the bottom, its centre is half a millimetre lower than that of the pit
-  press_at({kSphere + 0.004, 0, 0}, 0);
-  press_at({kSphere + 0.004, 0, 0}, kRuleButton);
+  press_at({0, 0, kPitRadius - 0.0005}, 0);
+  press_at({0, 0, kPitRadius - 0.0005},
+           kMeasureButton);  // the tool touches the bottom, its centre is half a millimetre lower than that of the pit
+  press_at({kBallRadius + 0.004, 0, 0}, 0);
+  press_at({kBallRadius + 0.004, 0, 0}, kMeasureButton);
   ASSERT_EQ(entries().size(), 1U);
   const Measure measure = std::get<Measure>(entries()[0]);
   EXPECT_LE(measure.ends[0].p_O.norm(), 0.2 * kVoxel) << "the bottom of the pit";
-  EXPECT_LE((measure.ends[1].p_O - kSphere * Vec3::UnitX()).norm(), 0.2 * kVoxel);
-  EXPECT_NEAR(compute_length_m(measure, {}), kSphere, 0.1 * kVoxel);
+  EXPECT_LE((measure.ends[1].p_O - kBallRadius * Vec3::UnitX()).norm(), 0.2 * kVoxel);
+  EXPECT_NEAR(compute_length_m(measure, {}), kBallRadius, 0.1 * kVoxel);
   // A mark stays where it was when the material under it is carved away.
   carves = {.source = 1, .newest = 2, .first = 2, .count = 1};
   carves.carves[0] = {.object = 0, .from_m = {0, 0, 0}, .to_m = {0, 0, 0}, .radius_m = 0.02F};

@@ -29,8 +29,8 @@ TEST_F(AnnotatorTest, AStrokeLiesOnTheSurfaceDrawnThoughTheProbeDoesNot) {
   ASSERT_GT(stroke.points_m.size(), 2U);
   for (const Vec3& p : stroke.points_m) {
     // The middle of a facet is below the sphere by up to 1 - cos(7.5 degrees) of the radius.
-    EXPECT_LE((p - Vec3(0.1, 0, 0)).norm(), kSphere * (1.0 + 1e-12));
-    EXPECT_GE((p - Vec3(0.1, 0, 0)).norm(), kSphere * 0.98);
+    EXPECT_LE((p - Vec3(0.1, 0, 0)).norm(), kBallRadius * (1.0 + 1e-12));
+    EXPECT_GE((p - Vec3(0.1, 0, 0)).norm(), kBallRadius * 0.98);
   }
   EXPECT_LT((stroke.points_m.front() - Vec3(0.1, 0, 0)).normalized().x(), 0.05) << "in the frame of the object, wherever the dials are";
 }
@@ -40,9 +40,9 @@ TEST_F(AnnotatorTest, WhatIsDrawnIsSavedAndReadAgain) {
   options.strokes = folder.path() / "lines.vtp";
   open();
   draw_arc();
-  touch(Vec3::UnitZ(), kRuleButton);
+  touch(Vec3::UnitZ(), kMeasureButton);
   lift();
-  touch(Vec3::UnitX(), kRuleButton);
+  touch(Vec3::UnitX(), kMeasureButton);
   lift();
   EXPECT_THAT(annotator->describe(), HasSubstr("1 stroke, 1 measure"));
   EXPECT_THAT(annotator->describe(), HasSubstr("measured 42.43 mm"));
@@ -64,7 +64,7 @@ TEST_F(AnnotatorTest, AStrokeThatIsBeingDrawnAtTheEndIsSaved) {
   lift();
   touch(Vec3::UnitZ(), kPenButton);
   ASSERT_TRUE(annotator->finish());
-  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->annotations.entries.size(), 1U);
 }
@@ -78,13 +78,13 @@ TEST_F(AnnotatorTest, AKeySavesAndUndoAfterwardsCountsAsAChange) {
   press({.undo = true});
   EXPECT_TRUE(entries().empty());
   ASSERT_TRUE(annotator->finish());
-  EXPECT_TRUE(read_annotations(options.file, std::vector<std::string>{"left"}, 7)->annotations.entries.empty());
+  EXPECT_TRUE(read_annotations(options.file, std::vector<std::string>{"left"}, scene.given_hash)->annotations.entries.empty());
 }
 
 TEST_F(AnnotatorTest, BadFilesAreRejectedBeforeAnything) {
   ASSERT_TRUE(view);
   const auto error = [&] {
-    const auto opened = Annotator::open(*view, scene, 0.15, options, true);
+    const auto opened = Annotator::open(*view, scene, kSceneRadius, options, true);
     return opened ? std::string("opened") : opened.error().what;
   };
   options.file = folder.write("bad.toml", "schema = 1\n");
@@ -139,45 +139,45 @@ TEST_F(AnnotatorTest, StrokesGoWithAnObjectThatIsMovedAndItsPoseIsSaved) {
   lift();
   // Touches the object where it lies now.
   ProbeState state;
-  state.p_WD = Vec3(0.1, 0, 0) + by + Vec3(0, 0, 0.9 * kSphere);
+  state.p_WD = Vec3(0.1, 0, 0) + by + Vec3(0, 0, 0.9 * kBallRadius);
   state.contact = true;
   state.object = 1;
   state.buttons = kPenButton;
   annotator->receive(state, Pose::Identity());
   lift();
   ASSERT_EQ(entries().size(), 1U);
-  EXPECT_LT((std::get<Stroke>(entries()[0]).points_m[0] - Vec3(0.1, 0, kSphere)).norm(), 0.02 * kSphere);
+  EXPECT_LT((std::get<Stroke>(entries()[0]).points_m[0] - Vec3(0.1, 0, kBallRadius)).norm(), 0.02 * kBallRadius);
   ASSERT_TRUE(annotator->finish());
-  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   ASSERT_EQ(read->annotations.put_down.size(), 1U);
   EXPECT_EQ(read->annotations.put_down[0].object, 1);
   EXPECT_EQ(read->annotations.put_down[0].p_m, by);
 }
 
-TEST_F(AnnotatorTest, UndoAsksForAnObjectToBePutBackInItsTurn) {
+TEST_F(AnnotatorTest, UndoRequestsThatAnObjectIsPutBackInItsTurn) {
   ASSERT_TRUE(view);
   open();
-  const auto put = [&](std::uint32_t serial, const Vec3& p) {
+  const auto pick_up_and_put_down = [&](std::uint32_t serial, const Vec3& p) {
     annotator->receive(ObjectPose{.serial = serial, .object = 1, .is_held = true});
     annotator->receive(ObjectPose{.serial = serial + 1, .object = 1, .p_m = p});
   };
   annotator->receive(ObjectPose{.serial = 1, .object = 1});
   const Vec3 first(0.0, 0.05, 0.0);
-  put(2, first);
-  put(4, Vec3(0.0, 0.07, 0.0));
+  pick_up_and_put_down(2, first);
+  pick_up_and_put_down(4, Vec3(0.0, 0.07, 0.0));
   draw_arc(0);
   ASSERT_EQ(entries().size(), 1U);
   press({.undo = true});
   EXPECT_TRUE(entries().empty()) << "the stroke was drawn last";
   EXPECT_FALSE(annotator->take_due(0));
   press({.undo = true});
-  const auto asked = annotator->take_due(1'000'000'000);
-  ASSERT_TRUE(asked);
-  EXPECT_EQ(asked->object, 1);
-  EXPECT_EQ(asked->serial, 5U);
-  EXPECT_FALSE(asked->is_held);
-  EXPECT_EQ(asked->p_m, first);
+  const auto request = annotator->take_due(1'000'000'000);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->object, 1);
+  EXPECT_EQ(request->serial, 5U);
+  EXPECT_FALSE(request->is_held);
+  EXPECT_EQ(request->p_m, first);
   EXPECT_FALSE(annotator->take_due(1'050'000'000));
   EXPECT_TRUE(annotator->take_due(1'100'000'000)) << "again, until there is a reply";
   annotator->receive(ObjectPose{.serial = 6, .object = 1, .p_m = first});
@@ -209,9 +209,9 @@ TEST_F(AnnotatorTest, UndosThatComeBeforeTheReplyAreDoneAfterIt) {
   annotator->receive(ObjectPose{.serial = 5, .object = 1, .p_m = 2.0 * first});
   press({.undo = true});
   press({.undo = true});
-  const auto asked = annotator->take_due(1'000'000'000);
-  ASSERT_TRUE(asked);
-  EXPECT_EQ(asked->p_m, first);
+  const auto request = annotator->take_due(1'000'000'000);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->p_m, first);
   annotator->receive(ObjectPose{.serial = 6, .object = 1, .p_m = first});
   std::optional<ObjectPose> next;
   for (int n = 0; n < 3 && !next; ++n) next = annotator->take_due(1'100'000'000 + n);
@@ -261,7 +261,7 @@ TEST_F(AnnotatorTest, StrokesGoAlongToAnotherSceneByTheNamesOfItsObjects) {
   annotator->show(Pose::Identity());
   EXPECT_EQ(entries().size(), 3U) << "what was drawn on an object that is gone is kept for the file";
   ASSERT_TRUE(annotator->finish());
-  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->annotations.entries.size(), 3U);
 }
@@ -298,17 +298,17 @@ TEST_F(AnnotatorTest, TheMenuIsOpenedAndChosenFrom) {
   EXPECT_FALSE(annotator->menu().is_open());
 }
 
-TEST_F(AnnotatorTest, TheMenuIsDrawnAndTheEntryAtTheTipIsLight) {
+TEST_F(AnnotatorTest, TheMenuIsDrawnAndTheEntryAtTheTipIsHighlighted) {
   ASSERT_TRUE(view);
   open();
   press({.menu = true});
   const Vec3 undo = annotator->menu().pose() * place_entry(TouchMenu::Entry::undo);
   // At the right end of the entry, beside its letters.
-  const Vec3 seen = undo + annotator->menu().pose().linear() * Vec3(0.45 * TouchMenu::kWidthM, 0, 0);
+  const Vec3 beside_letters = undo + annotator->menu().pose().linear() * Vec3(0.45 * TouchMenu::kWidthM, 0, 0);
   const auto colour = [&] {
     annotator->show(Pose::Identity());
     view->draw();
-    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, {320, 240}, seen);
+    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, {320, 240}, beside_letters);
     const Picture picture = view->read_picture();
     const std::uint8_t* rgb = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
     return std::array<int, 3>{rgb[0], rgb[1], rgb[2]};
@@ -344,7 +344,7 @@ TEST_F(AnnotatorTest, WhatWasNotSavedBeforeTheSceneChangedIsSavedAtTheEnd) {
   other.objects.front().name = "new";
   annotator->change_scene(other, nullptr);
   ASSERT_TRUE(annotator->finish());
-  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->annotations.entries.size(), 1U);
   press({.save = true});
@@ -354,7 +354,7 @@ TEST_F(AnnotatorTest, WhatWasNotSavedBeforeTheSceneChangedIsSavedAtTheEnd) {
   EXPECT_FALSE(std::filesystem::exists(options.file)) << "it was saved: another scene is not a change of it";
 }
 
-TEST_F(AnnotatorTest, WhatCannotBeSavedOnAKeyIsSavedAtTheEnd) {
+TEST_F(AnnotatorTest, WhatCannotBeSavedByAKeyIsSavedAtTheEnd) {
   ASSERT_TRUE(view);
   open();
   draw_arc();
@@ -365,7 +365,7 @@ TEST_F(AnnotatorTest, WhatCannotBeSavedOnAKeyIsSavedAtTheEnd) {
   EXPECT_THAT(annotator->take_notice(), testing::StartsWith("NOT SAVED: "));
   EXPECT_FALSE(std::filesystem::exists(options.file));
   ASSERT_TRUE(annotator->finish());
-  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(read->annotations.entries.size(), 1U);
 }

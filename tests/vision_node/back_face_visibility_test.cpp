@@ -36,7 +36,7 @@ TriangleMesh make_tetrahedron() {
 // One mesh has a closed body and an open sheet: the backs of the sheet are drawn, those of the body are not.
 TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
   TriangleMesh mesh = make_icosphere(0.1, 3);
-  const std::size_t ball = mesh.triangles.size();
+  const std::size_t ball_triangles = mesh.triangles.size();
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), {Vec3(5, 0, 0), Vec3(6, 0, 0), Vec3(5, 1, 0)});
   mesh.triangles.push_back({first, first + 1, first + 2});
@@ -45,18 +45,19 @@ TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
   ASSERT_EQ(level.without_back.size(), first + 3);
   for (std::uint32_t v = 0; v < first + 3; ++v) EXPECT_EQ(level.without_back[v], v < first ? 1 : 0);
   divide_into_clusters(level);
-  std::size_t hidden = 0;
+  std::size_t hidden_triangles = 0;
   for (const DetailCluster& cluster : level.clusters) {
     if (cluster.shows_backs) continue;
-    hidden += cluster.count / 3;
+    hidden_triangles += cluster.count / 3;
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) EXPECT_EQ(level.without_back[level.indices[i]], 1);
   }
-  EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the sheet's cluster may contain some triangles of the body
-  MeshAppearance look;
-  look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
-  DetailLevel seen = make_full_level(mesh, make_detail_frame(mesh));
-  mark_without_back(mesh, &look, seen);
-  EXPECT_TRUE(seen.without_back.empty()) << "its inner sides are seen";
+  EXPECT_GT(static_cast<double>(hidden_triangles),
+            0.9 * static_cast<double>(ball_triangles));  // the sheet's cluster may contain some triangles of the body
+  MeshAppearance appearance;
+  appearance.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
+  DetailLevel with_glass = make_full_level(mesh, make_detail_frame(mesh));
+  mark_without_back(mesh, &appearance, with_glass);
+  EXPECT_TRUE(with_glass.without_back.empty()) << "its inner sides are seen";
 }
 
 TEST(SurfaceBacks, OfClosedBodiesAreAlwaysHidden) {
@@ -95,15 +96,15 @@ TEST(SurfaceBacks, AreNotSeenWhereTheyAreNotFelt) {
 
 TEST(SurfaceBacks, AreSeenThroughAGlassThatItsFileShowsFromBothSides) {
   SceneObject object = object_of(make_tetrahedron());
-  MeshAppearance look;
-  look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
-  object.appearance = std::make_shared<const MeshAppearance>(look);
+  MeshAppearance appearance;
+  appearance.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
+  object.appearance = std::make_shared<const MeshAppearance>(appearance);
   EXPECT_FALSE(shows_backs(object));
-  look.materials[0].is_double_sided = true;
-  object.appearance = std::make_shared<const MeshAppearance>(look);
+  appearance.materials[0].is_double_sided = true;
+  object.appearance = std::make_shared<const MeshAppearance>(appearance);
   EXPECT_TRUE(shows_backs(object));
-  look.materials[0].alpha_mode = AlphaMode::opaque;
-  object.appearance = std::make_shared<const MeshAppearance>(look);
+  appearance.materials[0].alpha_mode = AlphaMode::opaque;
+  object.appearance = std::make_shared<const MeshAppearance>(appearance);
   EXPECT_FALSE(shows_backs(object)) << "nothing shows them";
 }
 

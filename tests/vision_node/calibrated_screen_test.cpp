@@ -69,11 +69,11 @@ Vec2 pixel_by_camera(const StereoScreen& screen, Eye eye, PictureSize size, cons
 TEST(CalibratedScreen, APointIsDrawnOnTheLineFromTheEyeToIt) {
   constexpr std::uint64_t kSeed = 11;
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> within(-0.1, 0.1);
+  std::uniform_real_distribution<double> coordinate(-0.1, 0.1);
   for (const PlacedScreen& placed : placed_screens()) {
     const StereoScreen screen = compute_screen(framing_of(placed), kStretched);
     for (int i = 0; i < 200; ++i) {
-      const Vec3 p_W(within(random), within(random), within(random));
+      const Vec3 p_W(coordinate(random), coordinate(random), coordinate(random));
       for (const Eye eye : {Eye::left, Eye::right, Eye::centre}) {
         const Vec2 expected = pixel_by_corners(placed, eye, kStretched, p_W);
         EXPECT_LT((pixel_by_camera(screen, eye, kStretched, p_W) - expected).norm(), 1e-8) << placed.name << ", seed " << kSeed;
@@ -113,6 +113,7 @@ TEST(CalibratedScreen, TheViewerIsAsLargeAsInReality) {
 
 // The scene and the workspace lie between the near and the far plane, except for parts that are not in front of the eyes.
 TEST(CalibratedScreen, TheWorkspaceIsBetweenNearAndFar) {
+  // Half of the diagonal of the workspace.
   const double radius_m = 0.5 * Vec3(0.2667, 0.1905, 0.381).norm();
   for (const PlacedScreen& placed : placed_screens()) {
     const StereoScreen screen = compute_screen(framing_of(placed), kStretched);
@@ -132,12 +133,12 @@ TEST(CalibratedScreen, NeitherOrbitNorZoomNorPanMovesThePicture) {
     view.zoom_by(2.0);
     view.pan_m = Vec3(0.1, 0.0, 0.0);
     view.look_at(home, Vec3(0.02, 0.0, 0.0), 0.05);
-    const StereoScreen still = compute_screen(home, kStretched);
-    const StereoScreen seen = compute_screen(view.apply(home), kStretched);
-    EXPECT_EQ(seen.X_WV.matrix(), still.X_WV.matrix());
-    EXPECT_EQ(seen.width_m, still.width_m);
-    EXPECT_EQ(seen.ipd_m, still.ipd_m);
-    EXPECT_EQ(seen.near_m, still.near_m);
+    const StereoScreen unmoved = compute_screen(home, kStretched);
+    const StereoScreen moved = compute_screen(view.apply(home), kStretched);
+    EXPECT_EQ(moved.X_WV.matrix(), unmoved.X_WV.matrix());
+    EXPECT_EQ(moved.width_m, unmoved.width_m);
+    EXPECT_EQ(moved.ipd_m, unmoved.ipd_m);
+    EXPECT_EQ(moved.near_m, unmoved.near_m);
   }
 }
 

@@ -1,4 +1,4 @@
-// Carves together with strokes and measures: undo, which begins with what was done last, and the file.
+// Carves together with strokes and measures: undo, which begins with the newest of them, and the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace hapton {
 namespace {
 
 constexpr double kUndoClayRadius = 0.03;
-constexpr std::int64_t kTenth = 100'000'000;
+constexpr std::int64_t kTenthOfSecondNs = 100'000'000;
 
 struct CarveUndoTest : testing::Test {
   CarveUndoTest() {
@@ -63,15 +63,15 @@ struct CarveUndoTest : testing::Test {
     state.contact = true;
     state.object = 0;
     annotator->receive(state, Pose::Identity());
-    state.buttons = 2;
+    state.buttons = 2;  // the pen's button
     annotator->receive(state, Pose::Identity());
     state.buttons = 0;
     annotator->receive(state, Pose::Identity());
   }
   void undo() { annotator->handle({.undo = true}, view->screen(), Vec3::Zero()); }
   std::size_t strokes() const { return annotator->pen().annotations().entries.size(); }
-  std::vector<CarvedPress> saved() const {
-    const auto read = read_annotations(options.file, std::vector<std::string>{"clay"}, 7);
+  std::vector<CarvedPress> read_saved_presses() const {
+    const auto read = read_annotations(options.file, std::vector<std::string>{"clay"}, scene.given_hash);
     EXPECT_TRUE(read) << read.error().what;
     return read ? read->annotations.carved : std::vector<CarvedPress>();
   }
@@ -120,23 +120,23 @@ TEST_F(CarveUndoTest, WhatWasDoneLastIsUndoneFirst) {
   ASSERT_EQ(strokes(), 2U);
   undo();
   EXPECT_EQ(strokes(), 1U);
-  EXPECT_FALSE(annotator->take_carve_undo(kTenth));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenthOfSecondNs));
   undo();
-  const auto second = annotator->take_carve_undo(2 * kTenth);
+  const auto second = annotator->take_carve_undo(2 * kTenthOfSecondNs);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->source, 3U);
   EXPECT_EQ(second->serial, 2U);
   reply(*second);
-  EXPECT_FALSE(annotator->take_carve_undo(4 * kTenth)) << "done";
+  EXPECT_FALSE(annotator->take_carve_undo(4 * kTenthOfSecondNs)) << "done";
   undo();
   EXPECT_EQ(strokes(), 0U);
   undo();
-  const auto first = annotator->take_carve_undo(5 * kTenth);
+  const auto first = annotator->take_carve_undo(5 * kTenthOfSecondNs);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->serial, 1U);
   reply(*first);
   undo();
-  EXPECT_FALSE(annotator->take_carve_undo(6 * kTenth)) << "nothing is left";
+  EXPECT_FALSE(annotator->take_carve_undo(6 * kTenthOfSecondNs)) << "nothing is left";
 }
 
 TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
@@ -145,15 +145,16 @@ TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
   carve();
   undo();
   int sent = 0;
-  for (int n = 1; n <= 100; ++n) sent += annotator->take_carve_undo(n * kTenth / 10) ? 1 : 0;
+  for (int n = 1; n <= 100; ++n) sent += annotator->take_carve_undo(n * kTenthOfSecondNs / 10) ? 1 : 0;
   EXPECT_EQ(sent, 10) << "in a second";
   // A second press meanwhile makes no second request.
   undo();
-  const auto again = annotator->take_carve_undo(12 * kTenth);
+  const auto again = annotator->take_carve_undo(12 * kTenthOfSecondNs);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->serial, 1U);
-  for (int n = 12; n <= 400; ++n) sent = annotator->take_carve_undo(n * kTenth) ? n : sent;
-  EXPECT_LT(sent, 250) << "it is given up";
+  int last_sent = 0;  // in tenths of a second
+  for (int n = 12; n <= 400; ++n) last_sent = annotator->take_carve_undo(n * kTenthOfSecondNs) ? n : last_sent;
+  EXPECT_LT(last_sent, 250) << "it is given up";
 }
 
 // vision_node was killed after it had saved. haptics_node still runs (3), or was started again with the file (8).
@@ -176,10 +177,10 @@ TEST_F(CarveUndoTest, AfterARestartTheNewestIsUndoneFirstToo) {
     carve(source);
     EXPECT_EQ(strokes(), 2U);
     undo();
-    EXPECT_FALSE(annotator->take_carve_undo(kTenth)) << source;
+    EXPECT_FALSE(annotator->take_carve_undo(kTenthOfSecondNs)) << source;
     EXPECT_EQ(strokes(), 1U) << source;
     undo();
-    const auto second = annotator->take_carve_undo(2 * kTenth);
+    const auto second = annotator->take_carve_undo(2 * kTenthOfSecondNs);
     ASSERT_TRUE(second) << source;
     EXPECT_EQ(second->serial, 2U);
   }
@@ -196,7 +197,7 @@ TEST_F(CarveUndoTest, CarvesOfANewHapticsNodeAreNewerThanWhatWasDrawnBefore) {
   serial = 0;
   carve(8);
   undo();
-  const auto newest = annotator->take_carve_undo(kTenth);
+  const auto newest = annotator->take_carve_undo(kTenthOfSecondNs);
   ASSERT_TRUE(newest);
   EXPECT_EQ(newest->serial, 1U);
   EXPECT_EQ(strokes(), 1U);
@@ -210,13 +211,13 @@ TEST_F(CarveUndoTest, AnObjectThatWasPutDownBeforeACarveIsPutBackAfterIt) {
   annotator->receive(ObjectPose{.serial = 3, .object = 0, .p_m = Vec3(0.01, 0, 0)});
   carve();
   undo();
-  EXPECT_FALSE(annotator->take_due(kTenth));
-  const auto carves = annotator->take_carve_undo(kTenth);
-  ASSERT_TRUE(carves);
-  reply(*carves);
-  EXPECT_FALSE(annotator->take_carve_undo(2 * kTenth));
+  EXPECT_FALSE(annotator->take_due(kTenthOfSecondNs));
+  const auto request = annotator->take_carve_undo(kTenthOfSecondNs);
+  ASSERT_TRUE(request);
+  reply(*request);
+  EXPECT_FALSE(annotator->take_carve_undo(2 * kTenthOfSecondNs));
   undo();
-  EXPECT_TRUE(annotator->take_due(3 * kTenth));
+  EXPECT_TRUE(annotator->take_due(3 * kTenthOfSecondNs));
 }
 
 TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
@@ -225,7 +226,7 @@ TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
   carve();
   carve();
   ASSERT_TRUE(annotator->finish());
-  ASSERT_EQ(saved().size(), 2U);
+  ASSERT_EQ(read_saved_presses().size(), 2U);
   // Another run, with a haptics node that has read the file: nothing is written.
   open();
   serial = 0;
@@ -237,7 +238,7 @@ TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
   // One more carve, so the file is written.
   carve(5);
   ASSERT_TRUE(annotator->finish());
-  EXPECT_EQ(saved().size(), 3U);
+  EXPECT_EQ(read_saved_presses().size(), 3U);
 }
 
 TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
@@ -247,7 +248,7 @@ TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
   carve();
   reply({.source = 3, .serial = 1});
   ASSERT_TRUE(annotator->finish());
-  const std::vector<CarvedPress> after = saved();
+  const std::vector<CarvedPress> after = read_saved_presses();
   ASSERT_EQ(after.size(), 1U);
   EXPECT_NEAR(after[0].carves[0].from_m.y(), 0.002, 1e-9);
 }
@@ -276,14 +277,14 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   open();
   draw();
   ASSERT_TRUE(annotator->finish());
-  EXPECT_EQ(saved().size(), 2U) << "none has replied";
+  EXPECT_EQ(read_saved_presses().size(), 2U) << "none has replied";
   open();
   serial = 6;
   Carves carves{.source = 9, .newest = 1, .first = 1, .count = 1};
   carves.carves[0] = one_carve(7);
   carved->take(carves, Arrival::newest);
   ASSERT_TRUE(annotator->finish());
-  EXPECT_EQ(saved().size(), 3U) << "both";
+  EXPECT_EQ(read_saved_presses().size(), 3U) << "both";
 }
 
 // This happens with --watch-scene: the new scene numbers its objects anew, and its carves have not arrived yet.
@@ -292,7 +293,7 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayOnTheirObjectInASceneOfOtherObjects) {
   open();
   carve();
   annotator->handle({.save = true}, view->screen(), Vec3::Zero());
-  ASSERT_EQ(saved().size(), 1U);
+  ASSERT_EQ(read_saved_presses().size(), 1U);
   Scene other = scene;
   other.objects.insert(other.objects.begin(), scene.objects[0]);
   other.objects[0].name = "mould";
@@ -301,7 +302,7 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayOnTheirObjectInASceneOfOtherObjects) {
   annotator->change_scene(other, &next);
   annotator->handle({.save = true}, view->screen(), Vec3::Zero());
   annotator.reset();
-  const auto read = read_annotations(options.file, std::vector<std::string>{"mould", "clay"}, 7);
+  const auto read = read_annotations(options.file, std::vector<std::string>{"mould", "clay"}, scene.given_hash);
   ASSERT_TRUE(read) << read.error().what;
   ASSERT_EQ(read->annotations.carved.size(), 1U);
   EXPECT_EQ(read->annotations.carved[0].object, 1);
@@ -392,16 +393,16 @@ TEST_F(CarveUndoTest, UndoOfAMeasureThatWasBegunPutsNoMaterialBack) {
   state.p_WD = Vec3(0, 0, kUndoClayRadius);
   state.contact = true;
   state.object = 0;
-  for (const std::uint32_t buttons : {0U, 4U, 0U}) {
+  for (const std::uint32_t buttons : {0U, 4U, 0U}) {  // 4: the button that measures
     state.buttons = buttons;
     annotator->receive(state, Pose::Identity());
   }
   ASSERT_TRUE(annotator->pen().first_end());
   undo();
   EXPECT_FALSE(annotator->pen().first_end());
-  EXPECT_FALSE(annotator->take_carve_undo(kTenth));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenthOfSecondNs));
   undo();
-  EXPECT_TRUE(annotator->take_carve_undo(2 * kTenth)) << "now the carve";
+  EXPECT_TRUE(annotator->take_carve_undo(2 * kTenthOfSecondNs)) << "now the carve";
 }
 
 // Another haptics node may have a carve with the same number.
@@ -410,10 +411,10 @@ TEST_F(CarveUndoTest, ARequestEndsWithTheHapticsNodeThatItIsFor) {
   open();
   carve(3);
   undo();
-  ASSERT_TRUE(annotator->take_carve_undo(kTenth));
+  ASSERT_TRUE(annotator->take_carve_undo(kTenthOfSecondNs));
   serial = 0;
   carve(8);
-  EXPECT_FALSE(annotator->take_carve_undo(3 * kTenth));
+  EXPECT_FALSE(annotator->take_carve_undo(3 * kTenthOfSecondNs));
 }
 
 // Long after the key was pressed nobody expects material to come back.
@@ -424,12 +425,12 @@ TEST_F(CarveUndoTest, WhatWaitsForARequestThatIsGivenUpIsNotDoneLater) {
   carve();
   undo();
   undo();
-  ASSERT_TRUE(annotator->take_carve_undo(kTenth));
-  EXPECT_FALSE(annotator->take_carve_undo(kTenth + 20'000'000'000)) << "given up";
-  EXPECT_FALSE(annotator->take_due(kTenth + 21'000'000'000));
-  EXPECT_FALSE(annotator->take_carve_undo(kTenth + 21'000'000'000));
+  ASSERT_TRUE(annotator->take_carve_undo(kTenthOfSecondNs));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenthOfSecondNs + 20'000'000'000)) << "given up";
+  EXPECT_FALSE(annotator->take_due(kTenthOfSecondNs + 21'000'000'000));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenthOfSecondNs + 21'000'000'000));
   undo();
-  EXPECT_TRUE(annotator->take_carve_undo(kTenth + 22'000'000'000)) << "only at the next press";
+  EXPECT_TRUE(annotator->take_carve_undo(kTenthOfSecondNs + 22'000'000'000)) << "only at the next press";
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kClayBall = 0.03;
+constexpr double kClayBallRadius = 0.03;
 const Vec3 kBesideClay(0.07, 0.0, 0.0);
 constexpr Carves::Point kThroughFrom = {0.0F, 0.01F, -0.04F};
 constexpr Carves::Point kThroughTo = {0.0F, 0.01F, 0.04F};
@@ -25,7 +25,7 @@ struct CarvedObjectsTest : testing::Test {
   void open(StereoMode mode = StereoMode::mono) {
     SceneObject clay;
     clay.name = "clay";
-    clay.mesh = std::make_shared<const TriangleMesh>(make_icosphere(kClayBall, 4));
+    clay.mesh = std::make_shared<const TriangleMesh>(make_icosphere(kClayBallRadius, 4));
     clay.colour = {1, 0, 0};
     clay.sculpt = SculptSettings{.voxel_m = 0.0015};
     SceneObject other;
@@ -55,7 +55,7 @@ struct CarvedObjectsTest : testing::Test {
     ADD_FAILURE() << "never up to date";
     return false;
   }
-  static Carves hole(std::uint32_t source, std::uint32_t serial, std::int32_t object = 0) {
+  static Carves make_hole(std::uint32_t source, std::uint32_t serial, std::int32_t object = 0) {
     Carves carves{.source = source, .newest = serial, .first = serial, .count = 1};
     carves.carves[0] = {.object = object, .from_m = kThroughFrom, .to_m = kThroughTo, .radius_m = 0.006F};
     return carves;
@@ -74,21 +74,21 @@ TEST_F(CarvedObjectsTest, AHoleIsSeenWhereItWasCarved) {
   ASSERT_TRUE(view);
   EXPECT_TRUE(settle()) << "the field's surface is drawn in place of the mesh";
   EXPECT_GT(red_at(kInHole), 200);
-  carved->take(hole(5, 1), Arrival::newest);
+  carved->take(make_hole(5, 1), Arrival::newest);
   EXPECT_TRUE(settle());
   EXPECT_EQ(red_at(kInHole), 0) << "through and through";
   EXPECT_GT(red_at(kBesideHole), 200);
-  EXPECT_GT(red_at(kInHole + Vec3(0.009, 0, 0)), 200) << "wider it is not";
+  EXPECT_GT(red_at(kInHole + Vec3(0.009, 0, 0)), 200) << "it is no wider";
   EXPECT_EQ(red_at(kInHole + Vec3(0.004, 0, 0)), 0);
-  carved->take(hole(5, 1), Arrival::newest);
-  EXPECT_FALSE(settle()) << "again";
+  carved->take(make_hole(5, 1), Arrival::newest);
+  EXPECT_FALSE(settle()) << "the same carve again";
 }
 
 // All stereo modes show the same two pictures; this test looks at each of the two.
 TEST_F(CarvedObjectsTest, BothEyesSeeIt) {
   open(StereoMode::side_by_side);
   ASSERT_TRUE(view);
-  carved->take(hole(5, 1), Arrival::newest);
+  carved->take(make_hole(5, 1), Arrival::newest);
   settle();
   for (const Eye eye : {Eye::left, Eye::right}) {
     const int left = eye == Eye::left ? 0 : 320;
@@ -100,14 +100,14 @@ TEST_F(CarvedObjectsTest, BothEyesSeeIt) {
 TEST_F(CarvedObjectsTest, AnotherHapticsProcessBeginsWithTheWholeBody) {
   open();
   ASSERT_TRUE(view);
-  carved->take(hole(5, 1), Arrival::newest);
+  carved->take(make_hole(5, 1), Arrival::newest);
   settle();
   EXPECT_EQ(red_at(kInHole), 0);
   carved->take(Carves{.source = 6}, Arrival::newest);
   EXPECT_TRUE(settle());
   EXPECT_GT(red_at(kInHole), 200);
-  carved->take(hole(5, 2), Arrival::reordered);
-  EXPECT_FALSE(settle()) << "of the process before, which came late";
+  carved->take(make_hole(5, 2), Arrival::reordered);
+  EXPECT_FALSE(settle()) << "a late message of the previous process";
   EXPECT_GT(red_at(kInHole), 200);
 }
 
@@ -115,7 +115,7 @@ TEST_F(CarvedObjectsTest, WhatIsMissingIsRequested) {
   open();
   ASSERT_TRUE(view);
   EXPECT_FALSE(carved->take_request(0));
-  carved->take(hole(5, 3), Arrival::newest);
+  carved->take(make_hole(5, 3), Arrival::newest);
   const auto request = carved->take_request(0);
   ASSERT_TRUE(request);
   EXPECT_EQ(request->source, 5U);
@@ -128,7 +128,7 @@ TEST_F(CarvedObjectsTest, WhatIsMissingIsRequested) {
 TEST_F(CarvedObjectsTest, ItIsDrawnWhereTheObjectIs) {
   open();
   ASSERT_TRUE(view);
-  carved->take(hole(5, 1), Arrival::newest);
+  carved->take(make_hole(5, 1), Arrival::newest);
   settle();
   Pose moved = Pose::Identity();
   moved.translation() = Vec3(0.0, -0.05, 0.0);
@@ -141,7 +141,8 @@ TEST_F(CarvedObjectsTest, CarvesOfOtherObjectsAreLeftOut) {
   open();
   ASSERT_TRUE(view);
   settle();
-  for (const std::int32_t object : {1, 2, 1'000'000}) carved->take(hole(5, static_cast<std::uint32_t>(object), object), Arrival::newest);
+  for (const std::int32_t object : {1, 2, 1'000'000})
+    carved->take(make_hole(5, static_cast<std::uint32_t>(object), object), Arrival::newest);
   settle();
   EXPECT_GT(red_at(kInHole), 200);
 }
@@ -152,7 +153,7 @@ TEST_F(CarvedObjectsTest, ASceneWithoutClayNeedsNothing) {
   settle();
   scene.objects[0].sculpt.reset();
   CarvedObjects none(*view, scene);
-  none.take(hole(5, 1), Arrival::newest);
+  none.take(make_hole(5, 1), Arrival::newest);
   EXPECT_FALSE(none.show());
   EXPECT_TRUE(none.is_up_to_date());
   EXPECT_FALSE(none.take_request(0));
@@ -184,24 +185,24 @@ TEST_F(CarvedObjectsTest, WhatIsUndoneIsSeenAgain) {
   open();
   ASSERT_TRUE(view);
   settle();
-  const int whole = red_at(kInHole);
-  Carves carves = hole(1, 1);
+  const int red_before = red_at(kInHole);
+  Carves carves = make_hole(1, 1);
   carved->take(carves, Arrival::newest);
   settle();
-  EXPECT_LT(red_at(kInHole), whole / 2);
+  EXPECT_LT(red_at(kInHole), red_before / 2);
   EXPECT_EQ(carved->list().newest_active(), 1U);
   Carves undo{.source = 1, .newest = 2, .first = 2, .count = 1};
   undo.carves[0] = {.object = -1, .undone_first = 1, .undone_last = 1};
   carved->take(undo, Arrival::newest);
   EXPECT_TRUE(settle());
-  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_EQ(red_at(kInHole), red_before);
   EXPECT_EQ(carved->list().newest_active(), 0U);
   EXPECT_TRUE(carved->is_complete());
   // The carve comes once more, late: it stays undone.
   carves.newest = 2;
   carved->take(carves, Arrival::reordered);
   settle();
-  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_EQ(red_at(kInHole), red_before);
 }
 
 // A node that joins late may get the undo before the carve.
@@ -209,20 +210,20 @@ TEST_F(CarvedObjectsTest, AnUndoThatComesBeforeItsCarvesCounts) {
   open();
   ASSERT_TRUE(view);
   settle();
-  const int whole = red_at(kInHole);
+  const int red_before = red_at(kInHole);
   Carves undo{.source = 1, .newest = 2, .first = 2, .count = 1};
   undo.carves[0] = {.object = -1, .undone_first = 1, .undone_last = 1};
   carved->take(undo, Arrival::newest);
-  Carves carves = hole(1, 1);
+  Carves carves = make_hole(1, 1);
   carves.newest = 2;
   carved->take(carves, Arrival::newest);
   settle();
-  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_EQ(red_at(kInHole), red_before);
   // The undo that came early is requested again, and changes nothing.
   EXPECT_TRUE(carved->take_request(1'000'000'000));
   carved->take(undo, Arrival::newest);
   settle();
-  EXPECT_EQ(red_at(kInHole), whole);
+  EXPECT_EQ(red_at(kInHole), red_before);
   EXPECT_FALSE(carved->take_request(2'000'000'000)) << "all have come";
 }
 

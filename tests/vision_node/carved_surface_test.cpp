@@ -24,7 +24,7 @@ struct CarvedSurfaceTest : testing::Test {
 
   Vec3 point(const FlatVertex& vertex) const { return frame.centre + frame.scale_m * vertex.position.cast<double>(); }
   // Signed distance from the carved ball, by its formula.
-  static double height(const Vec3& p) {
+  static double signed_distance(const Vec3& p) {
     const Vec3 along = kHole.to_m - kHole.from_m;
     const double t = std::clamp((p - kHole.from_m).dot(along) / along.squaredNorm(), 0.0, 1.0);
     return std::max(p.norm() - kClayRadius, kHole.radius_m - (p - kHole.from_m - t * along).norm());
@@ -32,8 +32,8 @@ struct CarvedSurfaceTest : testing::Test {
 };
 
 bool is_same_level(const FlatLevel& a, const FlatLevel& b) {
-  const auto is_same = [](const FlatVertex& p, const FlatVertex& q) { return p.position == q.position && p.normal == q.normal; };
-  return a.indices == b.indices && std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), is_same);
+  const auto is_same_vertex = [](const FlatVertex& p, const FlatVertex& q) { return p.position == q.position && p.normal == q.normal; };
+  return a.indices == b.indices && std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), is_same_vertex);
 }
 
 TEST_F(CarvedSurfaceTest, EachLevelShowsWhatIsLeft) {
@@ -46,7 +46,7 @@ TEST_F(CarvedSurfaceTest, EachLevelShowsWhatIsLeft) {
   for (std::size_t level = 0; level < levels.size(); ++level) {
     const double step = kClayVoxel * CarvedSurface::kStrides[level];
     double worst = 0.0;
-    for (const FlatVertex& vertex : levels[level].vertices) worst = std::max(worst, std::abs(height(point(vertex))));
+    for (const FlatVertex& vertex : levels[level].vertices) worst = std::max(worst, std::abs(signed_distance(point(vertex))));
     EXPECT_LT(worst, 0.5 * step) << "level " << level;
     EXPECT_EQ(levels[level].error > 0.0, level > 0);
   }
@@ -105,13 +105,13 @@ TEST_F(CarvedSurfaceTest, NothingIsLeftOfABodyCarvedAway) {
 TEST_F(CarvedSurfaceTest, NormalsFaceOutward) {
   surface.carve(kHole);
   for (const FlatLevel& level : surface.compute_levels()) {
-    std::size_t against = 0;
+    std::size_t inward = 0;
     for (std::size_t i = 0; i < level.indices.size(); i += 3) {
       const auto corner = [&](std::size_t k) { return level.vertices[level.indices[i + k]]; };
       const Vec3f across = (corner(1).position - corner(0).position).cross(corner(2).position - corner(0).position);
-      against += across.dot(unpack_normal(corner(2).normal)) <= 0.0F ? 1U : 0U;
+      inward += across.dot(unpack_normal(corner(2).normal)) <= 0.0F ? 1U : 0U;
     }
-    EXPECT_LE(against, level.triangles() / 200) << "but for quads bent over an edge";
+    EXPECT_LE(inward, level.triangles() / 200) << "but for quads bent over an edge";
   }
 }
 

@@ -45,12 +45,12 @@ TEST(DecodeImage, ReadsJpeg) {
 TEST(DecodeImage, SaysWhatIsWrong) {
   EXPECT_THAT(error_of({"a.tga", "something else"}), AllOf(HasSubstr("a.tga"), HasSubstr("neither PNG nor JPEG")));
   const std::string whole = make_quarters_png(64);
-  for (const std::size_t kept : {std::size_t{8}, std::size_t{20}, whole.size() / 2}) {
-    EXPECT_THAT(error_of({"cut.png", whole.substr(0, kept)}), HasSubstr("cut.png")) << kept;
+  for (const std::size_t bytes_left : {std::size_t{8}, std::size_t{20}, whole.size() / 2}) {
+    EXPECT_THAT(error_of({"cut.png", whole.substr(0, bytes_left)}), HasSubstr("cut.png")) << bytes_left;
   }
   const std::string jpeg = make_image<vtkJPEGWriter>(64, 64, [](int x, int y) { return Eigen::Vector3i(2 * x, 2 * y, 100); });
-  for (const std::size_t kept : {std::size_t{3}, std::size_t{40}, std::size_t{200}}) {
-    EXPECT_THAT(error_of({"cut.jpg", jpeg.substr(0, kept)}), HasSubstr("cut.jpg")) << kept;
+  for (const std::size_t bytes_left : {std::size_t{3}, std::size_t{40}, std::size_t{200}}) {
+    EXPECT_THAT(error_of({"cut.jpg", jpeg.substr(0, bytes_left)}), HasSubstr("cut.jpg")) << bytes_left;
   }
 }
 

@@ -92,7 +92,7 @@ TEST_F(DeformedMeshTest, OneThatAProgramDeformsIsAsOneThatDeformsByItself) {
   EXPECT_LE((programmed.place(corner) - grown(corner, 1.0)).norm(), 1e-15) << "unknown: it stays";
 }
 
-TEST_F(DeformedMeshTest, ItTellsWhenItsShapeIsAnother) {
+TEST_F(DeformedMeshTest, ItReportsWhenItsShapeHasChanged) {
   EXPECT_FALSE(deformed.set_time(0.0)) << "at rest";
   EXPECT_TRUE(deformed.set_time(0.5));
   EXPECT_FALSE(deformed.set_time(0.5));

@@ -8,12 +8,12 @@ namespace {
 TEST(DepthCues, TheWorkspaceHasTwelveEdgesOfItsThreeLengths) {
   const auto edges = make_workspace_box();
   ASSERT_EQ(edges.size(), 12U);
-  int of_length[3] = {0, 0, 0};
+  int edges_of_length[3] = {0, 0, 0};
   for (const auto& [from, to] : edges) {
-    for (int k = 0; k < 3; ++k) of_length[k] += std::abs((to - from).norm() - workspace_size_m()[k]) < 1e-12;
+    for (int k = 0; k < 3; ++k) edges_of_length[k] += std::abs((to - from).norm() - workspace_size_m()[k]) < 1e-12;
     EXPECT_TRUE(from.cwiseAbs().isApprox(0.5 * workspace_size_m()));
   }
-  for (const int count : of_length) EXPECT_EQ(count, 4);
+  for (const int count : edges_of_length) EXPECT_EQ(count, 4);
 }
 
 TEST(DepthCues, TheNearestCornerIsTheOneOnTheViewersSide) {
@@ -51,8 +51,8 @@ TEST(ScaleBar, HasARoundLengthAtTrueScale) {
     const PictureSize size{640, 480};
     const StereoScreen screen = compute_screen(seen, size);
     const ScaleBar bar = choose_scale_bar(screen, size);
-    const double shown = project_to_pixel(screen, Eye::centre, size, Vec3(bar.length_m, 0, 0)).x() - 320.0;
-    EXPECT_NEAR(bar.pixels, shown, 1e-6);
+    const double drawn_px = project_to_pixel(screen, Eye::centre, size, Vec3(bar.length_m, 0, 0)).x() - 320.0;
+    EXPECT_NEAR(bar.pixels, drawn_px, 1e-6);
     EXPECT_LE(bar.pixels, 0.2 * 640);
     EXPECT_GT(bar.pixels, 0.07 * 640);
   }

@@ -13,19 +13,19 @@ TEST(DepthOrder, PutsTheFarthestTriangleFirst) {
   constexpr unsigned kSeed = 4711;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);
-  std::uniform_real_distribution<float> any(-1.0F, 1.0F);
+  std::uniform_real_distribution<float> coordinate(-1.0F, 1.0F);
   std::vector<FlatVertex> vertices(300);
-  for (FlatVertex& vertex : vertices) vertex.position = Vec3f(any(random), any(random), any(random));
+  for (FlatVertex& vertex : vertices) vertex.position = Vec3f(coordinate(random), coordinate(random), coordinate(random));
   std::vector<std::uint32_t> indices;
   for (int i = 0; i < 900; ++i) indices.push_back(static_cast<std::uint32_t>(random() % 300));
   const std::vector<std::uint32_t> before = indices;
   const Vec3f p_UE(0.3F, -2.0F, 1.5F);
   sort_far_to_near(indices, vertices, p_UE);
-  const auto far = [&](std::size_t i) {
+  const auto squared_distance = [&](std::size_t i) {
     return ((vertices[indices[i]].position + vertices[indices[i + 1]].position + vertices[indices[i + 2]].position) / 3.0F - p_UE)
         .squaredNorm();
   };
-  for (std::size_t i = 3; i < indices.size(); i += 3) ASSERT_GE(far(i - 3), far(i)) << i;
+  for (std::size_t i = 3; i < indices.size(); i += 3) ASSERT_GE(squared_distance(i - 3), squared_distance(i)) << i;
   const auto triangles_of = [](const std::vector<std::uint32_t>& all) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     for (std::size_t i = 0; i < all.size(); i += 3) triangles.push_back({all[i], all[i + 1], all[i + 2]});

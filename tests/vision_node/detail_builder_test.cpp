@@ -14,7 +14,7 @@ namespace {
 
 std::vector<DetailBuilder::MadeLevel> take_all(DetailBuilder& builder) {
   std::vector<DetailBuilder::MadeLevel> all;
-  for (int turns = 0; turns < 12'000; ++turns) {
+  for (int waits = 0; waits < 12'000; ++waits) {
     const bool done = builder.progress() == 1.0;
     for (auto& made : builder.take_levels()) all.push_back(std::move(made));
     if (done) return all;
@@ -34,15 +34,15 @@ TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInCluster
   DetailBuilder builder({small, large});
   const auto made = take_all(builder);
   ASSERT_GE(made.size(), 4U);
-  std::size_t last = large->triangles();
+  std::size_t triangles_before = large->triangles();
   for (std::size_t i = 0; i + 1 < made.size(); ++i) {
     EXPECT_EQ(made[i].object, 1U) << "the small one keeps its triangles";
     EXPECT_FALSE(made[i].is_full || made[i].is_rough);
-    EXPECT_LT(made[i].level.triangles(), last);
+    EXPECT_LT(made[i].level.triangles(), triangles_before);
     EXPECT_GT(made[i].level.error, 0.0);
-    last = made[i].level.triangles();
+    triangles_before = made[i].level.triangles();
   }
-  EXPECT_GT(last, 1'500U) << "the coarsest of all: fewer triangles save no time";
+  EXPECT_GT(triangles_before, 1'500U) << "the coarsest of all: fewer triangles save no time";
   EXPECT_TRUE(made.back().is_full);
   EXPECT_EQ(made.back().level.triangles(), large->triangles());
   EXPECT_EQ(made.back().level.error, 0.0);
@@ -55,7 +55,7 @@ TEST(DetailBuilder, BeginsByItselfWhenNobodyDraws) {
 }
 
 // Without begin() this builder would wait for a day.
-TEST(DetailBuilder, BeginsWhenItIsTold) {
+TEST(DetailBuilder, BeginsAtOnceWhenBeginIsCalled) {
   const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   DetailBuilder builder({mesh}, std::chrono::hours(24));
   EXPECT_EQ(builder.progress(), 0.0);
@@ -64,7 +64,7 @@ TEST(DetailBuilder, BeginsWhenItIsTold) {
   const auto made = take_all(builder);
   ASSERT_FALSE(made.empty());
   EXPECT_TRUE(made.back().is_full);
-  EXPECT_TRUE(builder.take_levels().empty()) << "each is given once";
+  EXPECT_TRUE(builder.take_levels().empty()) << "each level is returned once";
 }
 
 TEST(DetailBuilder, CanBeEndedBeforeItHasBegun) {

@@ -13,19 +13,19 @@ namespace {
 DetailLevel full_level_of(const TriangleMesh& mesh) { return make_full_level(mesh, make_detail_frame(mesh)); }
 
 std::multiset<std::array<float, 9>> triangles_of(const DetailLevel& level) {
-  std::multiset<std::array<float, 9>> found;
+  std::multiset<std::array<float, 9>> triangles;
   for (std::size_t i = 0; i < level.indices.size(); i += 3) {
     std::array<Vec3f, 3> corners;
     for (int k = 0; k < 3; ++k) corners[k] = level.positions[level.indices[i + k]];
-    const auto least = std::min_element(corners.begin(), corners.end(), [](const Vec3f& a, const Vec3f& b) {
+    const auto first_corner = std::min_element(corners.begin(), corners.end(), [](const Vec3f& a, const Vec3f& b) {
       return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
     });
-    std::rotate(corners.begin(), least, corners.end());
-    std::array<float, 9> flat;
-    for (int k = 0; k < 9; ++k) flat[k] = corners[k / 3][k % 3];
-    found.insert(flat);
+    std::rotate(corners.begin(), first_corner, corners.end());
+    std::array<float, 9> coordinates;
+    for (int k = 0; k < 9; ++k) coordinates[k] = corners[k / 3][k % 3];
+    triangles.insert(coordinates);
   }
-  return found;
+  return triangles;
 }
 
 TEST(DetailLevels, TheFullLevelIsTheMeshWhateverItsSize) {
@@ -76,10 +76,10 @@ TEST(DetailLevels, TheErrorIsHowFarTheFarthestVertexIs) {
 
 TEST(DetailLevels, ThinningOutLeavesTrianglesOfTheMeshAllOverIt) {
   const DetailLevel full = full_level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
-  for (const std::size_t wanted : {std::size_t{1}, std::size_t{3'000}, full.triangles() - 1, full.triangles(), full.triangles() + 1}) {
-    const DetailLevel thin = thin_out(full, wanted);
-    EXPECT_LE(thin.triangles(), wanted);
-    EXPECT_GE(2 * thin.triangles() + 1, std::min(wanted, full.triangles()));
+  for (const std::size_t limit : {std::size_t{1}, std::size_t{3'000}, full.triangles() - 1, full.triangles(), full.triangles() + 1}) {
+    const DetailLevel thin = thin_out(full, limit);
+    EXPECT_LE(thin.triangles(), limit);
+    EXPECT_GE(2 * thin.triangles() + 1, std::min(limit, full.triangles()));
     ASSERT_EQ(thin.clusters.size(), 1U);
     EXPECT_EQ(thin.clusters.front().count, thin.indices.size());
     for (const std::uint32_t corner : thin.indices) ASSERT_LT(corner, thin.positions.size());

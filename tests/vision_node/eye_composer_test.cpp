@@ -39,27 +39,27 @@ struct TwoColours : testing::Test {
     opengl->Initialize();
   }
   void paint() {
-    const bool is_left = is_ours ? is_first : renderer->GetActiveCamera()->GetLeftEye() != 0;
+    const bool is_left = uses_composer ? is_first_eye : renderer->GetActiveCamera()->GetLeftEye() != 0;
     const double shift = 0.13 * round + (is_left ? 0.0 : 0.41);
     const auto wrapped = [](double x) { return x - std::floor(x); };
     renderer->SetBackground(wrapped(shift), wrapped(3.0 * shift), wrapped(0.5 + 2.0 * shift));
     renderer->SetBackground2(wrapped(0.7 + shift), wrapped(0.2 + shift), wrapped(0.9 + 5.0 * shift));
   }
   Picture compose_by_vtk(int type) {
-    is_ours = false;
+    uses_composer = false;
     window->SetStereoType(type);
     window->StereoRenderOn();
     window->Render();
     return read_window_picture(window);
   }
   Picture compose(EyeComposer& composer, bool has_colours) {
-    is_ours = true;
+    uses_composer = true;
     window->StereoRenderOff();
     const PictureSize size{kWidth, kHeight};
-    is_first = true;
+    is_first_eye = true;
     window->Render();
     composer.keep_first_eye(opengl->GetRenderFramebuffer()->GetFBOIndex(), size);
-    is_first = false;
+    is_first_eye = false;
     window->Render();
     composer.compose(opengl->GetRenderFramebuffer()->GetFBOIndex(), size, has_colours);
     return read_window_picture(window);
@@ -70,8 +70,8 @@ struct TwoColours : testing::Test {
   vtkNew<vtkRenderWindow> window;
   vtkNew<vtkRenderer> renderer;
   vtkOpenGLRenderWindow* opengl = nullptr;
-  bool is_ours = false;
-  bool is_first = true;
+  bool uses_composer = false;
+  bool is_first_eye = true;
   int round = 0;
 };
 

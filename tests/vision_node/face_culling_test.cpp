@@ -15,7 +15,7 @@ TEST(DrawnSide, AnObjectThatShowsItsBacksIsSeenFromBehindWhereOthersAreNot) {
   const auto triangle_at = [](double x) {
     auto back = std::make_shared<TriangleMesh>();
     back->vertices = {{x - 0.03, -0.05, 0.0}, {x + 0.03, -0.05, 0.0}, {x, 0.05, 0.0}};
-    back->triangles = {{0, 2, 1}};  // its front looks away from the viewer
+    back->triangles = {{0, 2, 1}};  // its front faces away from the viewer
     return back;
   };
   auto view =

@@ -26,7 +26,7 @@ namespace hapton {
 
 using PartColour = std::array<int, 3>;
 
-// What a figure gives to VTK, read as numbers: no window is needed.
+// What a figure gives to VTK, read as numbers: its texts, its other 2D actors (flat) and its 3D actors (solid). No window is needed.
 struct FigureParts {
   template <class Figure>
   explicit FigureParts(Figure& figure) {
@@ -43,10 +43,10 @@ struct FigureParts {
 
   vtkTextActor* text(std::size_t i) const { return vtkTextActor::SafeDownCast(texts_.at(i)); }
   // The visible text actor that has this text; null if there is none.
-  vtkTextActor* find_text(std::string_view wanted) const {
+  vtkTextActor* find_text(std::string_view content) const {
     for (vtkActor2D* actor : texts_) {
       auto* text = vtkTextActor::SafeDownCast(actor);
-      if (text->GetVisibility() != 0 && text->GetInput() != nullptr && wanted == text->GetInput()) return text;
+      if (text->GetVisibility() != 0 && text->GetInput() != nullptr && content == text->GetInput()) return text;
     }
     return nullptr;
   }

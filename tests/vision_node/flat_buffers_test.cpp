@@ -24,7 +24,7 @@ struct DriverMemory : testing::Test {
   void SetUp() override {
     view = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
     ASSERT_TRUE(view);
-    before = count_objects();
+    objects_before = count_objects();
   }
   // Counts the OpenGL objects of all kinds that the program itself must release. Their names begin with 1.
   static int count_objects() {
@@ -44,17 +44,18 @@ struct DriverMemory : testing::Test {
   }
 
   std::unique_ptr<StereoView> view;
-  int before = 0;
+  int objects_before = 0;
 };
 
 TEST_F(DriverMemory, ALevelOfDetailThatIsReleasedLeavesNothing) {
   for (const bool is_painted : {false, true}) {
     FlatBuffers buffers = upload(make_level(is_painted), 0);
-    EXPECT_EQ(count_objects(), before + (is_painted ? 3 : 2));
+    // A vertex array and a buffer of vertices, and one of paint.
+    EXPECT_EQ(count_objects(), objects_before + (is_painted ? 3 : 2));
     release(buffers);
-    EXPECT_EQ(count_objects(), before);
+    EXPECT_EQ(count_objects(), objects_before);
     release(buffers);  // nothing is left to release
-    EXPECT_EQ(count_objects(), before);
+    EXPECT_EQ(count_objects(), objects_before);
   }
 }
 
@@ -63,12 +64,12 @@ TEST_F(DriverMemory, AReshapedMeshReplacesTheOneBefore) {
   auto painter = ScenePainter::make({ShownObject{.mesh = ball}});
   ASSERT_TRUE(painter) << painter.error().what;
   (*painter)->reshape_object(0, ball->vertices);
-  const int held = count_objects();
-  EXPECT_GT(held, before);
+  const int objects_in_use = count_objects();
+  EXPECT_GT(objects_in_use, objects_before);
   for (int i = 0; i < 5; ++i) (*painter)->reshape_object(0, ball->vertices);
-  EXPECT_EQ(count_objects(), held);
+  EXPECT_EQ(count_objects(), objects_in_use);
   painter->reset();
-  EXPECT_EQ(count_objects(), before) << "and all goes with the painter";
+  EXPECT_EQ(count_objects(), objects_before) << "the painter releases everything";
 }
 
 TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
@@ -76,18 +77,18 @@ TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
   {
     GlTarget target;
     EXPECT_TRUE(target.resize({32, 16}, {}));
-    const int held = count_objects();
-    EXPECT_EQ(held, before + 3);
+    const int objects_in_use = count_objects();
+    EXPECT_EQ(objects_in_use, objects_before + 3);  // the framebuffer, its colour and its depth
     EXPECT_FALSE(target.resize({32, 16}, {})) << "its content is kept";
     EXPECT_TRUE(target.resize({16, 32}, {}));
-    EXPECT_EQ(count_objects(), held);
+    EXPECT_EQ(count_objects(), objects_in_use);
   }
-  EXPECT_EQ(count_objects(), before);
+  EXPECT_EQ(count_objects(), objects_before);
 }
 
 // VTK keeps a copy of the state that it has set, and draws wrongly where OpenGL has another state.
 TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
-  const auto read = [] {
+  const auto read_state = [] {
     std::vector<GLint> values;
     for (const GLenum name : {GL_DRAW_FRAMEBUFFER_BINDING,
                               GL_READ_FRAMEBUFFER_BINDING,
@@ -120,7 +121,7 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glEnable(GL_CULL_FACE);
-  const std::vector<GLint> as_it_was = read();
+  const std::vector<GLint> as_it_was = read_state();
   GlTarget target;
   FlatBuffers buffers;
   {
@@ -143,9 +144,9 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glDisable(GL_CULL_FACE);
-    EXPECT_NE(read(), as_it_was);
+    EXPECT_NE(read_state(), as_it_was);
   }
-  EXPECT_EQ(read(), as_it_was);
+  EXPECT_EQ(read_state(), as_it_was);
   release(buffers);
 }
 
@@ -159,9 +160,9 @@ TEST_F(DriverMemory, NewLevelsOfDetailLeaveWhatIsBound) {
   GLuint buffer = 0;
   glGenBuffers(1, &buffer);
   glBindBuffer(GL_ARRAY_BUFFER, buffer);
-  const int held = count_objects();
+  const int objects_in_use = count_objects();
   (*layers)->prepare({}, {});
-  EXPECT_GT(count_objects(), held) << "levels have come";
+  EXPECT_GT(count_objects(), objects_in_use) << "levels have come";
   GLint bound = 0;
   glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
   EXPECT_EQ(static_cast<GLuint>(bound), buffer);

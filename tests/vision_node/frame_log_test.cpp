@@ -48,7 +48,7 @@ TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstFram
   EXPECT_NE(log.describe().find("the first 80 ms"), std::string::npos) << log.describe();
 }
 
-TEST(FrameLog, NothingDrawnIsZeroNotRubbish) {
+TEST(FrameLog, WithoutFramesAllNumbersAreZero) {
   const FrameLog log;
   EXPECT_EQ(log.rate_hz(), 0.0);
   EXPECT_EQ(log.recent_rate_hz(), 0.0);

@@ -7,22 +7,22 @@
 
 namespace hapton {
 
-// While an object of this class exists, the working folder is one that was removed: nobody can write into it, not even root.
+// While an object of this class exists, the working folder is a folder that has been removed: nobody can write into it, not even root.
 class GoneFolder {
  public:
-  GoneFolder() : before_(std::filesystem::current_path()) {
+  GoneFolder() : previous_(std::filesystem::current_path()) {
     const ScratchFolder folder;
     std::filesystem::current_path(folder.path());
   }
   ~GoneFolder() {
     std::error_code ignored;
-    std::filesystem::current_path(before_, ignored);
+    std::filesystem::current_path(previous_, ignored);
   }
   GoneFolder(const GoneFolder&) = delete;
   GoneFolder& operator=(const GoneFolder&) = delete;
 
  private:
-  std::filesystem::path before_;
+  std::filesystem::path previous_;
 };
 
 }  // namespace hapton

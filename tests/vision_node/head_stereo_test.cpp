@@ -33,7 +33,7 @@ std::vector<NamedHead> heads() {
 }
 
 // The screen is the plane z = 0 of the world, with its centre at the origin: this needs no matrix and none of the tested code.
-Vec2 closed_form(const Head& head, Eye eye, const Vec3& p, const Framing& framing, Vec2 pixels) {
+Vec2 closed_form_pixel(const Head& head, Eye eye, const Vec3& p, const Framing& framing, Vec2 pixels) {
   const double side = eye == Eye::left ? -0.5 : eye == Eye::right ? 0.5 : 0.0;
   const Vec3 e = head.p_RH + side * kIpd * (head.q_RH * Vec3::UnitX());
   const double x = e.x() + (p.x() - e.x()) * e.z() / (e.z() - p.z());
@@ -59,14 +59,14 @@ std::optional<Vec2> middle_near(const Picture& picture, int channel, const Vec2&
 }
 
 // How a mode shows one eye: from which pixel of the window on, how large the eye's picture is there, and in which channel.
-struct Shown {
+struct EyePlacement {
   Eye eye;
   Vec2 from = Vec2::Zero();
   Vec2 size = Vec2(kWidth, kHeight);
   int channel = 0;
 };
 
-std::vector<Shown> shown_by(StereoMode mode) {
+std::vector<EyePlacement> placements_in(StereoMode mode) {
   const Vec2 half_width(0.5 * kWidth, kHeight), half_height(kWidth, 0.5 * kHeight);
   switch (mode) {
     case StereoMode::mono:
@@ -90,13 +90,13 @@ std::vector<Shown> shown_by(StereoMode mode) {
   }
 }
 
-void expect_marker(const Picture& picture, const Shown& shown, const NamedHead& named, const Vec3& p_W, const Framing& framing) {
-  const Vec2 theory = shown.from + closed_form(named.head, shown.eye, p_W, framing, shown.size);
-  const Vec2 reach = Vec2(18.0, 18.0).cwiseProduct(shown.size.cwiseQuotient(Vec2(kWidth, kHeight)));
-  const auto found = middle_near(picture, shown.channel, theory, reach);
+void expect_marker(const Picture& picture, const EyePlacement& placement, const NamedHead& named, const Vec3& p_W, const Framing& framing) {
+  const Vec2 theory = placement.from + closed_form_pixel(named.head, placement.eye, p_W, framing, placement.size);
+  const Vec2 reach = Vec2(18.0, 18.0).cwiseProduct(placement.size.cwiseQuotient(Vec2(kWidth, kHeight)));
+  const auto found = middle_near(picture, placement.channel, theory, reach);
   ASSERT_TRUE(found) << named.name;
-  EXPECT_LT((*found - theory).norm(), kTolerancePx)
-      << named.name << ", eye " << static_cast<int>(shown.eye) << ", found " << found->transpose() << ", expected " << theory.transpose();
+  EXPECT_LT((*found - theory).norm(), kTolerancePx) << named.name << ", eye " << static_cast<int>(placement.eye) << ", found "
+                                                    << found->transpose() << ", expected " << theory.transpose();
 }
 
 Framing framing_of(const ViewSettings& settings, const NamedHead& named) {
@@ -120,7 +120,7 @@ void expect_every_head(StereoMode mode) {
     for (const NamedHead& named : heads()) {
       const Framing framing = framing_of(settings, named);
       const Picture picture = draw_picture(*view, framing);
-      for (const Shown& shown : shown_by(mode)) expect_marker(picture, shown, named, p_W, framing);
+      for (const EyePlacement& placement : placements_in(mode)) expect_marker(picture, placement, named, p_W, framing);
     }
   }
 }
@@ -145,8 +145,8 @@ void expect_woven(StereoMode mode) {
     for (const NamedHead& named : heads()) {
       const Framing framing = framing_of(settings, named);
       const Picture picture = draw_picture(*view, framing);
-      const Vec2 left = closed_form(named.head, Eye::left, p_W, framing, Vec2(kWidth, kHeight));
-      const Vec2 right = closed_form(named.head, Eye::right, p_W, framing, Vec2(kWidth, kHeight));
+      const Vec2 left = closed_form_pixel(named.head, Eye::left, p_W, framing, Vec2(kWidth, kHeight));
+      const Vec2 right = closed_form_pixel(named.head, Eye::right, p_W, framing, Vec2(kWidth, kHeight));
       const double reach = 0.5 * (left - right).cwiseAbs().maxCoeff();
       ASSERT_GT(reach, 5.0) << named.name << ": they are apart";
       for (const Vec2& theory : {left, right}) {
@@ -171,17 +171,17 @@ TEST(HeadStereo, EmulateShowsBothEyesInTurn) {
     Framing framing = settings.framing;
     framing.head = named.head;
     view->set_framing(framing);
-    std::array<bool, 2> seen = {};
-    for (int turn = 0; turn < 2; ++turn) {
+    std::array<bool, 2> is_shown = {};
+    for (int frame = 0; frame < 2; ++frame) {
       view->draw();
       const auto found = centroid(view->read_picture(), 0, 0, kWidth);
       ASSERT_TRUE(found);
       for (const Eye eye : {Eye::left, Eye::right}) {
-        const Vec2 theory = closed_form(named.head, eye, kNear, framing, Vec2(kWidth, kHeight));
-        if ((*found - theory).norm() < kTolerancePx) seen[eye == Eye::right] = true;
+        const Vec2 theory = closed_form_pixel(named.head, eye, kNear, framing, Vec2(kWidth, kHeight));
+        if ((*found - theory).norm() < kTolerancePx) is_shown[eye == Eye::right] = true;
       }
     }
-    EXPECT_TRUE(seen[0] && seen[1]) << named.name;
+    EXPECT_TRUE(is_shown[0] && is_shown[1]) << named.name;
   }
 }
 
@@ -196,18 +196,18 @@ TEST(HeadStereo, ThePointUnderAPixelIsTheMarkers) {
     view->set_framing(framing);
     view->draw();
     for (const Eye eye : {Eye::left, Eye::right}) {
-      const Vec2 at = closed_form(named.head, eye, kNear, framing, Vec2(kWidth, kHeight)) + Vec2(eye == Eye::right ? kWidth : 0, 0);
+      const Vec2 at = closed_form_pixel(named.head, eye, kNear, framing, Vec2(kWidth, kHeight)) + Vec2(eye == Eye::right ? kWidth : 0, 0);
       const auto p_W = view->pick(static_cast<int>(at.x()), static_cast<int>(at.y()));
       ASSERT_TRUE(p_W) << named.name;
       EXPECT_NEAR((*p_W - kNear).norm(), 0.01, 5e-4) << named.name;
     }
-    const auto seen = view->visible_depth();
-    ASSERT_TRUE(seen);
-    const Vec2 at = closed_form(named.head, Eye::left, kNear, framing, Vec2(kWidth, kHeight));
-    const auto p_W = seen->find(at);
+    const auto visible = view->visible_depth();
+    ASSERT_TRUE(visible);
+    const Vec2 at = closed_form_pixel(named.head, Eye::left, kNear, framing, Vec2(kWidth, kHeight));
+    const auto p_W = visible->find(at);
     ASSERT_TRUE(p_W) << named.name;
     EXPECT_NEAR((*p_W - kNear).norm(), 0.01, 5e-4) << named.name;
-    EXPECT_NEAR(seen->depth_of(*p_W), seen->depth_m(at), 1e-4) << named.name;
+    EXPECT_NEAR(visible->depth_of(*p_W), visible->depth_m(at), 1e-4) << named.name;
   }
 }
 

@@ -20,17 +20,17 @@ struct HeadTrackerTest : testing::Test {
   HeadSource source;
   std::unique_ptr<HeadTracker> tracker;
   std::optional<Head> head;
-  std::int64_t looked_ns = 0;  // when wait_for_head() last asked for the head
+  std::int64_t last_take_ns = 0;  // time of the last take_head() in wait_for_head()
 
   void open() {
     source.tracker = vrpn::TrackerName{"Head0", to_string(server.address())};
     tracker = std::move(*HeadTracker::open(source, 0.063));
   }
-  bool wait_for_head(const vrpn::Bytes& said) {
+  bool wait_for_head(const vrpn::Bytes& message) {
     head.reset();
     return server.attend_until([&](std::int64_t now_ns) {
-      server.say(said);
-      looked_ns = now_ns;
+      server.say(message);
+      last_take_ns = now_ns;
       head = tracker->take_head(now_ns);
       return head.has_value();
     });
@@ -69,43 +69,43 @@ TEST_F(HeadTrackerTest, BringsTheHead) {
   EXPECT_EQ(tracker->describe(0), "") << "it has hardly begun";
   ASSERT_TRUE(wait_for_head(say_pose(0, {0.05, -0.25, 0.7})));
   EXPECT_LT((head->p_RH - Vec3(0.05, 0.05, 0.7)).norm(), 1e-12);
-  EXPECT_EQ(tracker->describe(looked_ns), "");
+  EXPECT_EQ(tracker->describe(last_take_ns), "");
 }
 
 TEST_F(HeadTrackerTest, SaysWhenTheHeadIsLostAndWhenItIsBack) {
   open();
   ASSERT_TRUE(wait_for_head(say_pose(0, {0, 0, 0.7})));
-  const std::int64_t later_ns = looked_ns + HeadTracker::kStaleNs + 2'500'000'000;
+  const std::int64_t later_ns = last_take_ns + HeadTracker::kStaleNs + 2'500'000'000;
   EXPECT_FALSE(tracker->take_head(later_ns));
   EXPECT_NE(tracker->describe(later_ns).find("has sent no pose for 3 s"), std::string::npos) << tracker->describe(later_ns);
   EXPECT_EQ(tracker->describe(later_ns).find('\n'), std::string::npos);
   ASSERT_TRUE(wait_for_head(say_pose(0, {0, 0, 0.7})));
-  EXPECT_EQ(tracker->describe(looked_ns), "");
+  EXPECT_EQ(tracker->describe(last_take_ns), "");
 }
 
 TEST_F(HeadTrackerTest, AHeadInTheScreenOrBehindItIsNotTaken) {
   open();
   ASSERT_TRUE(wait_for_head(say_pose(0, {0, 0, 0.7})));
-  bool is_told = false;
+  bool is_reported = false;
   ASSERT_TRUE(server.attend_until([&](std::int64_t now_ns) {
     server.say(say_pose(0, {0, 0, -0.7}));
-    const auto taken = tracker->take_head(now_ns);
-    EXPECT_TRUE(!taken || taken->p_RH.z() == 0.7);
-    is_told = tracker->describe(now_ns).find("-700 mm, which is not in front of the screen") != std::string::npos;
-    return is_told;
+    const auto accepted = tracker->take_head(now_ns);
+    EXPECT_TRUE(!accepted || accepted->p_RH.z() == 0.7);
+    is_reported = tracker->describe(now_ns).find("-700 mm, which is not in front of the screen") != std::string::npos;
+    return is_reported;
   }));
 }
 
 TEST_F(HeadTrackerTest, NamesWhatTheServerHasWhereTheSensorIsNotThere) {
   server.set_hello(vrpn::say_hello("Wand0"));
   open();
-  std::string told;
+  std::string description;
   ASSERT_TRUE(server.attend_until([&](std::int64_t now_ns) {
     EXPECT_FALSE(tracker->take_head(now_ns));
-    told = tracker->describe(now_ns);
-    return told.find("Wand0") != std::string::npos;
+    description = tracker->describe(now_ns);
+    return description.find("Wand0") != std::string::npos;
   }));
-  EXPECT_NE(told.find("sensor 0"), std::string::npos) << told;
+  EXPECT_NE(description.find("sensor 0"), std::string::npos) << description;
 }
 
 TEST_F(HeadTrackerTest, SaysThatNobodyReplies) {

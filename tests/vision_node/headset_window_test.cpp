@@ -30,7 +30,7 @@ HeadsetEyes headset_eyes(int frame) {
 }
 
 // The pixel at which an eye sees a point, from the tangents of the eye's angles alone.
-Vec2 seen_at(const EyeInFrame& eye, const Vec3& p_W) {
+Vec2 project_into_eye(const EyeInFrame& eye, const Vec3& p_W) {
   const Vec3 p_E = eye.X_FE.inverse() * (kX_LW * p_W);
   const double l = std::tan(eye.fov.left_rad), r = std::tan(eye.fov.right_rad), u = std::tan(eye.fov.up_rad),
                d = std::tan(eye.fov.down_rad);
@@ -80,7 +80,7 @@ void expect_both_eyes(StereoView& view, int frame, GLint format) {
     view.copy_eye(eye, texture.name);
     const auto found = centroid(texture.read(), 0, 0, kEyePixels.width_px);
     ASSERT_TRUE(found) << "eye " << eye;
-    EXPECT_LT((*found - seen_at(mock_xr::eyes_at(frame)[eye], kHeadsetMarker)).norm(), 0.5) << "eye " << eye << " frame " << frame;
+    EXPECT_LT((*found - project_into_eye(mock_xr::eyes_at(frame)[eye], kHeadsetMarker)).norm(), 0.5) << "eye " << eye << " frame " << frame;
   }
 }
 
@@ -143,10 +143,10 @@ class HeadsetMirror : public testing::Test {
     view_->draw();
     view_->poll_events();
     person_ = std::make_unique<Person>();
-    ASSERT_TRUE(person_->found());
-    show();
+    ASSERT_TRUE(person_->has_window());
+    draw_mirror();
   }
-  void show() {
+  void draw_mirror() {
     view_->set_headset_eyes(headset_eyes(2));
     ASSERT_TRUE(view_->set_stereo(StereoMode::openxr));
     view_->draw();
@@ -156,18 +156,18 @@ class HeadsetMirror : public testing::Test {
     glFinish();
   }
   // Where the marker is in the window, from the lower left corner.
-  Vec2 expected(PictureSize window) const {
+  Vec2 marker_in_window(PictureSize window) const {
     const MirrorPlace place = place_mirror(window, kEyePixels);
-    const Vec2 eye = seen_at(mock_xr::eyes_at(2)[0], kHeadsetMarker);
+    const Vec2 eye = project_into_eye(mock_xr::eyes_at(2)[0], kHeadsetMarker);
     return {place.x_px + eye.x() * place.size.width_px / kEyePixels.width_px,
             place.y_px + eye.y() * place.size.height_px / kEyePixels.height_px};
   }
   void expect_mirror(int width, int height) {
-    const Picture seen{{width, height}, person_->look(static_cast<unsigned>(width), static_cast<unsigned>(height))};
+    const Picture seen{{width, height}, person_->read_pixels(static_cast<unsigned>(width), static_cast<unsigned>(height))};
     ASSERT_EQ(seen.rgb.size(), static_cast<std::size_t>(3 * width * height));
     const auto found = centroid(seen, 0, 0, width);
     ASSERT_TRUE(found);
-    EXPECT_LT((*found - expected({width, height})).norm(), 1.0);
+    EXPECT_LT((*found - marker_in_window({width, height})).norm(), 1.0);
   }
 
   std::unique_ptr<StereoView> view_;
@@ -183,13 +183,13 @@ TEST_F(HeadsetMirror, AWindowOfAnotherSizeShowsItAsLargeAsFits) {
     return view_->take_redraw_request();
   });
   EXPECT_EQ(view_->picture_size(), kEyePixels) << "the headset's pictures keep their size";
-  show();
+  draw_mirror();
   expect_mirror(300, 500);
 }
 
 TEST_F(HeadsetMirror, ThePointerPicksWhatIsUnderItInTheMirror) {
-  const Vec2 at = expected({640, 360});
-  person_->button(ButtonPress, Button1, static_cast<int>(at.x()), 359 - static_cast<int>(at.y()));
+  const Vec2 at = marker_in_window({640, 360});
+  person_->send_button(ButtonPress, Button1, static_cast<int>(at.x()), 359 - static_cast<int>(at.y()));
   std::vector<WindowEvent> received;
   wait_until([&] {
     for (const auto& event : view_->poll_events()) received.push_back(event);

@@ -43,7 +43,7 @@ TEST(HudFigure, TextsStandInTheCornersAndAboveTheMiddle) {
   EXPECT_NE(hud.parts.find_text("facts"), nullptr);
 }
 
-TEST(HudFigure, LettersHaveALeastAndALargestSize) {
+TEST(HudFigure, LettersHaveASmallestAndALargestSize) {
   Hud hud;
   hud.figure.place({200, 100});
   hud.expect_at("facts", 4.0, 96.0, 9);
@@ -63,6 +63,7 @@ TEST(HudFigure, ATimeLineLiftsWhatIsAtTheLowerEdge) {
   hud.figure.set_scale_bar({.length_m = 0.1, .pixels = 200.0, .label = "100 mm"}, kHudPicture);
   hud.expect_at("100 mm", 1100.0 - 27.6 - 100.0, 4.0 * 27.6 + lift + 6.9, 18);
   hud.figure.set_plots({{.title = "force", .points = {}}}, kHudPicture);
+  // From below: the margin under the lower plot, that plot, the gap, the upper plot, and the distance of its title.
   EXPECT_NEAR(place_of(hud.parts.find_text("force")).y(), 6.0 * 27.6 + lift + 0.13 * 920.0 + 1.6 * 27.6 + 0.13 * 920.0 + 3.0, 1e-6);
   hud.figure.set_time_line(std::nullopt, 0.0, kHudPicture);
   hud.expect_at("help", 10.0, 10.0, 18);
@@ -117,18 +118,18 @@ TextExtent measure_texts(const Hud& hud, PictureSize size) {
   for (std::size_t i = 0; i < hud.parts.texts(); ++i) {
     vtkTextActor* text = hud.parts.text(i);
     if (text->GetVisibility() == 0) continue;
-    vtkTextProperty* look = text->GetTextProperty();
+    vtkTextProperty* style = text->GetTextProperty();
     std::istringstream lines(text->GetInput());
     int count = 0;
     for (std::string line; std::getline(lines, line); ++count) {
-      const double width = measure_text_width_px(look, line);
-      const int justification = look->GetJustification();
+      const double width = measure_text_width_px(style, line);
+      const int justification = style->GetJustification();
       const double share = justification == VTK_TEXT_LEFT ? 0.0 : justification == VTK_TEXT_RIGHT ? 1.0 : 0.5;
       const double left = place_of(text).x() - share * width;
       extent.left = std::min(extent.left, left);
       extent.right = std::max(extent.right, left + width);
     }
-    const double height = 1.15 * look->GetFontSize() * count;
+    const double height = 1.15 * style->GetFontSize() * count;
     if (i == 0) extent.facts_px = height;
     if (i == 1) extent.help_px = height;
   }

@@ -23,7 +23,7 @@ TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "the device has to be repaired first";
 }
 
-TEST(Hud, SaysNoFrameRateBeforeItIsKnown) {
+TEST(Hud, ShowsNoFrameRateBeforeItIsKnown) {
   HudFacts facts;
   facts.stereo = "mono";
   EXPECT_EQ(compose_hud(facts).find("frames/s"), std::string::npos) << compose_hud(facts);
@@ -31,7 +31,7 @@ TEST(Hud, SaysNoFrameRateBeforeItIsKnown) {
   EXPECT_NE(compose_hud(facts).find("29 frames/s   mono"), std::string::npos) << compose_hud(facts);
 }
 
-TEST(Hud, SaysNoRoundTripOfRepliesThatThereAreNot) {
+TEST(Hud, ShowsNoRoundTripWithoutReplies) {
   HudFacts facts;
   facts.is_connected = true;
   facts.state.servo_rate_hz = 1000.0F;

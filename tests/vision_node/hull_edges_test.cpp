@@ -47,13 +47,13 @@ TEST(HullEdges, OfAnyPointsLieOnTheHull) {
     for (const auto& [from, to] : edges) {
       for (const Vec3& end : {from, to}) {
         const auto along = fdh_project<26>(end);
-        int on = 0;
+        int planes = 0;
         for (std::size_t i = 0; i < along.size(); ++i) {
           EXPECT_GE(along[i], hull.low[i] - 1e-7);
           EXPECT_LE(along[i], hull.high[i] + 1e-7);
-          on += along[i] - hull.low[i] < 1e-7 || hull.high[i] - along[i] < 1e-7 ? 1 : 0;
+          planes += along[i] - hull.low[i] < 1e-7 || hull.high[i] - along[i] < 1e-7 ? 1 : 0;
         }
-        EXPECT_GE(on, 3) << "a corner is on three planes";
+        EXPECT_GE(planes, 3) << "a corner is on three planes";
       }
     }
   }

@@ -24,7 +24,7 @@ TEST(Dials, TurnAboutTheWorldsAxesThroughTheCentre) {
   EXPECT_LT((dials.compute_pose(centre) * (centre + Vec3::UnitZ()) - (centre + Vec3::UnitY())).norm(), 1e-15);
 }
 
-TEST(Dials, KeepWithinHalfATurnAndIgnoreRubbish) {
+TEST(Dials, KeepWithinHalfATurnAndIgnoreInvalidAngles) {
   Dials dials;
   dials.turn(0, 170.0);
   dials.turn(0, 20.0);
@@ -51,9 +51,11 @@ TEST(Dials, AreFoundFromAPose) {
     ASSERT_TRUE(found) << n;
     EXPECT_LT((found->compute_pose(centre).matrix() - X_WS.matrix()).cwiseAbs().maxCoeff(), 2e-6) << n;
   }
-  const std::optional<Dials> keys = find_dials(from_twelve_floats(to_twelve_floats(Dials{Vec3(5, -35, 170)}.compute_pose(centre))), centre);
-  ASSERT_TRUE(keys);
-  EXPECT_EQ(keys->degrees, Vec3(5, -35, 170));
+  // Angles as keys set them, at round numbers, are found exactly.
+  const std::optional<Dials> set_by_keys =
+      find_dials(from_twelve_floats(to_twelve_floats(Dials{Vec3(5, -35, 170)}.compute_pose(centre))), centre);
+  ASSERT_TRUE(set_by_keys);
+  EXPECT_EQ(set_by_keys->degrees, Vec3(5, -35, 170));
   Pose moved = Pose::Identity();
   moved.translation().x() = 1e-4;
   EXPECT_FALSE(find_dials(moved, centre));
@@ -153,7 +155,7 @@ TEST(ViewTransformSender, GoesOnFromTheRevisionsOfAnEarlierVisionNode) {
   ViewTransformSender sender;
   sender.set(Pose::Identity());
   ASSERT_TRUE(sender.take_due(0));
-  sender.confirm(41);  // the hub remembers someone before us
+  sender.confirm(41);  // the hub has the revision of an earlier node
   const auto sent = sender.take_due(1);
   ASSERT_TRUE(sent);
   EXPECT_EQ(sent->revision, 42u);

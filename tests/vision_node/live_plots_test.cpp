@@ -35,7 +35,7 @@ TEST(LivePlots, ShowForceWithItsLimitAndTheAgeOfTheFrames) {
   EXPECT_EQ(shown[1].top, 20.0);
 }
 
-TEST(LivePlots, AreOffUntilAskedForAndThenKnowThePast) {
+TEST(LivePlots, AreOffUntilToggledAndThenKnowThePast) {
   LivePlots plots(false);
   plots.receive(state_with(2.0), 1000 * kMs);
   EXPECT_TRUE(plots.update(1100 * kMs).empty());
@@ -56,7 +56,7 @@ TEST(LivePlots, CallForTenPicturesASecondWhileThereIsAHub) {
   plots.forget_force();
   EXPECT_FALSE(plots.wants_picture(1100 * kMs));
   const auto after = plots.update(3000 * kMs);
-  EXPECT_GT(after[0].points.back().age_s, 1.9) << "no force is claimed while nobody tells one";
+  EXPECT_GT(after[0].points.back().age_s, 1.9) << "no force is drawn while none arrives";
 }
 
 TEST(LivePlots, NaNIsNotPlotted) {

@@ -47,11 +47,12 @@ struct LiveSceneTest : testing::Test {
     reload->poll();
     return live->follow(now_ns);
   }
-  std::optional<Vec2> find(int channel) {
+  // The middle of what has this colour channel in the picture; nothing if there is none.
+  std::optional<Vec2> find_colour(int channel) {
     view->draw();
     return centroid(view->read_picture(), channel, 0, 320);
   }
-  std::uint64_t shown() const { return live->scene().given_hash; }
+  std::uint64_t shown_hash() const { return live->scene().given_hash; }
 
   ScratchFolder folder;
   std::filesystem::path file = folder.path() / "a.toml";
@@ -64,21 +65,21 @@ struct LiveSceneTest : testing::Test {
 
 TEST_F(LiveSceneTest, AnotherColourIsShownAtOnce) {
   ASSERT_TRUE(view);
-  live->set_felt(shown());
-  ASSERT_TRUE(find(0));
-  EXPECT_FALSE(find(1));
+  live->set_felt(shown_hash());
+  ASSERT_TRUE(find_colour(0));
+  EXPECT_FALSE(find_colour(1));
   EXPECT_EQ(live->follow(0), nullptr) << "nothing was saved";
   const auto change = save(kGreenObject);
   ASSERT_NE(change, nullptr);
   EXPECT_FALSE(change->has_new_camera);
-  EXPECT_FALSE(find(0));
-  EXPECT_TRUE(find(1));
+  EXPECT_FALSE(find_colour(0));
+  EXPECT_TRUE(find_colour(1));
 }
 
-TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
+TEST_F(LiveSceneTest, AMovedObjectIsShownOnceItIsFelt) {
   ASSERT_TRUE(view);
-  live->set_felt(shown());
-  const Vec2 before = *find(0);
+  live->set_felt(shown_hash());
+  const Vec2 before = *find_colour(0);
   const std::string log = log_of([&] {
     EXPECT_EQ(save(std::string(kRedObject) + "position_m = [0.02, 0, 0]\n", 0), nullptr);
     EXPECT_EQ(live->problem(), "");
@@ -88,51 +89,51 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
   });
   EXPECT_THAT(log, HasSubstr("a.toml has changed, and the picture waits until haptics_node uses it"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
-  EXPECT_LT((*find(0) - before).norm(), 0.1);
+  EXPECT_LT((*find_colour(0) - before).norm(), 0.1);
   auto next = load_scene(file, options.loading);
   ASSERT_TRUE(next);
-  EXPECT_NE(next->given_hash, shown());
+  EXPECT_NE(next->given_hash, shown_hash());
   live->set_felt(next->given_hash);
   ASSERT_NE(live->follow(0), nullptr);
   EXPECT_EQ(live->problem(), "");
-  EXPECT_EQ(shown(), next->given_hash);
+  EXPECT_EQ(shown_hash(), next->given_hash);
   view->set_framing(options.view.framing);
   const Vec2 there = project_to_pixel(view->screen(), Eye::centre, {320, 240}, Vec3(0.02, 0, 0));
-  EXPECT_LT((*find(0) - there).norm(), 0.6);
+  EXPECT_LT((*find_colour(0) - there).norm(), 0.6);
 }
 
 TEST_F(LiveSceneTest, MoreObjectsACameraAndLightsAreShown) {
   ASSERT_TRUE(view);
-  const std::string more = std::string(kRedObject) +
-                           "[[object]]\nmesh = 'a.obj'\nname = 'other'\ncolor = [0, 0, 1]\nposition_m = [0.07, 0, 0]\n"
-                           "[camera]\nposition_m = [0, 0, 1]\n[[light]]\ndirection = [0, -1, -1]\n";
-  const auto change = save(more);
+  const std::string more_keys = std::string(kRedObject) +
+                                "[[object]]\nmesh = 'a.obj'\nname = 'other'\ncolor = [0, 0, 1]\nposition_m = [0.07, 0, 0]\n"
+                                "[camera]\nposition_m = [0, 0, 1]\n[[light]]\ndirection = [0, -1, -1]\n";
+  const auto change = save(more_keys);
   ASSERT_NE(change, nullptr) << "no haptics node: nothing to wait for";
   EXPECT_TRUE(change->has_new_camera);
   EXPECT_EQ(options.names.size(), 2U);
   EXPECT_EQ(options.view.lights.size(), 1U);
   view->set_framing(options.view.framing);
-  EXPECT_TRUE(find(0));
-  EXPECT_TRUE(find(2));
+  EXPECT_TRUE(find_colour(0));
+  EXPECT_TRUE(find_colour(2));
   const auto again = save(kRedObject);
   ASSERT_NE(again, nullptr);
   EXPECT_TRUE(again->has_new_camera);
   view->set_framing(options.view.framing);
-  EXPECT_FALSE(find(2)) << "it is gone";
+  EXPECT_FALSE(find_colour(2)) << "it is gone";
 }
 
 TEST_F(LiveSceneTest, AnErrorChangesNothing) {
   ASSERT_TRUE(view);
-  const std::uint64_t before = shown();
+  const std::uint64_t before = shown_hash();
   const std::string log = log_of([&] { EXPECT_EQ(save("colr = 1\n"), nullptr); });
   EXPECT_THAT(log, HasSubstr("the present picture stays"));
   EXPECT_THAT(live->problem(), HasSubstr("unknown key 'colr'"));
   EXPECT_THAT(live->problem(), HasSubstr("; shown as it was before"));
-  EXPECT_EQ(shown(), before);
-  EXPECT_TRUE(find(0));
+  EXPECT_EQ(shown_hash(), before);
+  EXPECT_TRUE(find_colour(0));
   EXPECT_NE(save(kGreenObject), nullptr);
   EXPECT_EQ(live->problem(), "");
-  EXPECT_TRUE(find(1));
+  EXPECT_TRUE(find_colour(1));
 }
 
 TEST_F(LiveSceneTest, WhatProgramsMoveStaysWhereItIs) {
@@ -148,7 +149,7 @@ TEST_F(LiveSceneTest, WhatProgramsMoveStaysWhereItIs) {
   EXPECT_LT((live->moved().moving()[0].translation() - there).norm(), 1e-12);
   EXPECT_FALSE(live->moved().take(move)) << "it is known";
   view->set_framing(options.view.framing);
-  EXPECT_LT((*find(1) - project_to_pixel(view->screen(), Eye::centre, {320, 240}, there)).norm(), 0.6);
+  EXPECT_LT((*find_colour(1) - project_to_pixel(view->screen(), Eye::centre, {320, 240}, there)).norm(), 0.6);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ std::string make_image(int width, int height, ColourAt colour_at) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
-// The same as a PNG with alpha: colour_at gives four numbers.
+// Like make_image, but a PNG with alpha: colour_at returns four numbers.
 template <class ColourAt>
 std::string make_rgba_png(int width, int height, ColourAt colour_at) {
   vtkNew<vtkImageData> data;
@@ -52,11 +52,11 @@ std::string make_rgba_png(int width, int height, ColourAt colour_at) {
   return {reinterpret_cast<const char*>(bytes->GetPointer(0)), static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
-// Its four quarters are red and green above, blue and white below.
-inline std::string make_quarters_png(int side) {
-  return make_image<vtkPNGWriter>(side, side, [side](int x, int y) {
-    const bool right = 2 * x >= side;
-    const bool low = 2 * y >= side;
+// A square PNG with sides of this many pixels. Its quarters are red and green (upper), blue and white (lower).
+inline std::string make_quarters_png(int side_px) {
+  return make_image<vtkPNGWriter>(side_px, side_px, [side_px](int x, int y) {
+    const bool right = 2 * x >= side_px;
+    const bool low = 2 * y >= side_px;
     return low ? (right ? Eigen::Vector3i(255, 255, 255) : Eigen::Vector3i(0, 0, 255))
                : (right ? Eigen::Vector3i(0, 255, 0) : Eigen::Vector3i(255, 0, 0));
   });

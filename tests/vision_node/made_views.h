@@ -13,16 +13,16 @@
 
 namespace hapton {
 
-// A small ball whose triangles have their front outside.
+// A ball whose triangles face outwards.
 inline std::shared_ptr<const TriangleMesh> make_marker(const Vec3& centre, double radius_m) {
   constexpr std::uint32_t kSides = 24;
   auto mesh = std::make_shared<TriangleMesh>();
   for (std::uint32_t i = 0; i <= kSides; ++i) {
     for (std::uint32_t j = 0; j < kSides; ++j) {
       const double polar = std::numbers::pi * i / kSides;
-      const double round = 2.0 * std::numbers::pi * j / kSides;
+      const double azimuth = 2.0 * std::numbers::pi * j / kSides;
       mesh->vertices.push_back(centre +
-                               radius_m * Vec3(std::sin(polar) * std::sin(round), std::cos(polar), std::sin(polar) * std::cos(round)));
+                               radius_m * Vec3(std::sin(polar) * std::sin(azimuth), std::cos(polar), std::sin(polar) * std::cos(azimuth)));
     }
   }
   for (std::uint32_t i = 0; i < kSides; ++i) {
@@ -59,7 +59,7 @@ inline std::unique_ptr<StereoView> open_or_fail(const ViewSettings& settings, co
 
 // Waits five minutes at most: levels are made at the lowest priority, and other programs may be running.
 inline void wait_for_levels(StereoView& view) {
-  for (int turns = 0; turns < 30'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int waits = 0; waits < 30'000 && view.detail_progress() < 1.0; ++waits) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_EQ(view.detail_progress(), 1.0);
 }
 

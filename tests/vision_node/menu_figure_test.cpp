@@ -27,15 +27,15 @@ TouchMenu opened_menu() {
 }
 
 // The space that the font leaves before the first letter, as a share of the letters' size: the smallest of all labels.
-double least_bearing() {
-  double least = 1.0;
+double smallest_bearing() {
+  double smallest = 1.0;
   for (const TouchMenu::Entry entry : TouchMenu::kEntries) {
     vtkNew<vtkVectorText> letters;
     letters->SetText(std::string(TouchMenu::label(entry)).c_str());
     letters->Update();
-    least = std::min(least, letters->GetOutput()->GetBounds()[0]);
+    smallest = std::min(smallest, letters->GetOutput()->GetBounds()[0]);
   }
-  return least;
+  return smallest;
 }
 
 TEST(MenuFigure, HasAFieldForEachEntryWhereItIsChosen) {
@@ -49,7 +49,7 @@ TEST(MenuFigure, HasAFieldForEachEntryWhereItIsChosen) {
   ASSERT_EQ(cells.size(), TouchMenu::kEntries.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Vec3 middle = place_entry(TouchMenu::kEntries[i]);
-    const Vec3 half(0.03, 0.46 * 0.012, 0.0);
+    const Vec3 half(0.03, 0.46 * 0.012, 0.0);  // half the width, and half the height of an entry without the gap
     const Vec3 corners[4] = {middle - half, middle + Vec3(half.x(), -half.y(), 0.0), middle + half,
                              middle + Vec3(-half.x(), half.y(), 0.0)};
     for (std::size_t k = 0; k < 4; ++k) EXPECT_LT((point_of(fields, cells[i][k]) - corners[k]).norm(), 1e-7) << i << " " << k;
@@ -65,7 +65,7 @@ TEST(MenuFigure, HasAFieldForEachEntryWhereItIsChosen) {
   // The letters are slightly in front of the panel, within its edges, and begin at its left.
   double bounds[6];
   parts.solid_shape(1)->GetBounds(bounds);
-  EXPECT_NEAR(bounds[0], -0.03 + 0.6 * 0.012 + 0.5 * 0.012 * least_bearing(), 1e-7);
+  EXPECT_NEAR(bounds[0], -0.03 + 0.6 * 0.012 + 0.5 * 0.012 * smallest_bearing(), 1e-7);
   EXPECT_LT(bounds[1], 0.03);
   EXPECT_GT(bounds[2], -0.5 * TouchMenu::kHeightM);
   EXPECT_LT(bounds[3], 0.5 * TouchMenu::kHeightM);
@@ -96,6 +96,7 @@ TEST(MenuFigure, TheModeOfThePenIsMarkedAndTheEntryAtTheTipIsHighlighted) {
   }
   menu.receive(menu.pose() * place_entry(Entry::redo), 0);
   const auto lit = colours(PenMode::draw);
+  // kEntries: draw has index 1, redo has index 4.
   EXPECT_EQ(lit[4], kLitField);
   EXPECT_EQ(lit[1], kChosenField);
   menu.receive(menu.pose() * place_entry(Entry::draw), 0);

@@ -24,35 +24,36 @@ struct MovedObjectsTest : testing::Test {
       object.mesh = make_marker(at, kRadius);
       object.colour = colour;
       scene.objects.push_back(object);
-      shown.push_back({object.mesh, Vec3(colour.data())});
+      shown_objects.push_back({object.mesh, Vec3(colour.data())});
     };
     add(kRedAt, {1, 0, 0});
     add(kGreenAt, {0, 1, 0});
-    view = open_or_fail(plain_settings(StereoMode::mono, 640, 480), shown);
+    view = open_or_fail(plain_settings(StereoMode::mono, 640, 480), shown_objects);
   }
-  std::optional<Vec2> find(int channel) {
+  // The pixel of the red (0) or the green marker (1).
+  std::optional<Vec2> find_marker(int channel) {
     view->draw();
     return centroid(view->read_picture(), channel, 0, 640);
   }
-  Vec2 expected(const Vec3& p) const { return project_to_pixel(view->screen(), Eye::centre, {640, 480}, p); }
+  Vec2 pixel_of(const Vec3& p) const { return project_to_pixel(view->screen(), Eye::centre, {640, 480}, p); }
 
   Scene scene;
-  std::vector<ShownObject> shown;
+  std::vector<ShownObject> shown_objects;
   std::unique_ptr<StereoView> view;
 };
 
 TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
   const Vec3 by(0.03, -0.06, 0.02);
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
   EXPECT_TRUE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = by, .q = turned}));
-  EXPECT_LT((*find(0) - expected(turned * kRedAt + by)).norm(), 0.6);
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
-  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = by, .q = turned})) << "said again";
+  EXPECT_LT((*find_marker(0) - pixel_of(turned * kRedAt + by)).norm(), 0.6);
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = by, .q = turned})) << "sent again";
   EXPECT_TRUE(moved.take(ObjectPose{.serial = 1, .object = 0})) << "of another haptics node: where the scene file has it";
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
 }
 
 // The pose of the pick-up arrives again, after the pose that puts the object down: the object must not be drawn at the stylus again.
@@ -76,10 +77,10 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   probe.p_WP = probe.p_WD = tip;
   view->set_probe(probe);
   view->draw();
-  const Vec2 there = expected(tip + Vec3(0.01, 0, 0));
-  const Picture empty_handed = view->read_picture();
-  const std::uint8_t* beside = empty_handed.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
-  const std::array<std::uint8_t, 3> bare = {beside[0], beside[1], beside[2]};
+  const Vec2 there = pixel_of(tip + Vec3(0.01, 0, 0));
+  const Picture without_object = view->read_picture();
+  const std::uint8_t* beside = without_object.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
+  const std::array<std::uint8_t, 3> background = {beside[0], beside[1], beside[2]};
   // The object is held a centimetre beside the tip.
   EXPECT_TRUE(moved.take(ObjectPose{.serial = 2, .object = 0, .is_held = true, .p_m = Vec3(0.01, 0, 0) - kRedAt}));
   EXPECT_EQ(moved.held(), 0);
@@ -89,19 +90,19 @@ TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   const std::uint8_t* red = held.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
   EXPECT_GT(red[0], 60);
   EXPECT_LT(red[1], red[0] / 2);
-  EXPECT_FALSE(std::equal(red, red + 3, bare.begin()));
+  EXPECT_FALSE(std::equal(red, red + 3, background.begin()));
   const Vec3 down(0.0, 0.02, 0.0);
   EXPECT_TRUE(moved.take(ObjectPose{.serial = 3, .object = 0, .p_m = down}));
   EXPECT_EQ(moved.held(), -1);
   view->set_probe(probe);
   view->draw();
   const Picture picture = view->read_picture();
-  const auto at = expected(kRedAt + down);
+  const auto at = pixel_of(kRedAt + down);
   const std::uint8_t* middle = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
   EXPECT_GT(middle[0], 200);
   EXPECT_EQ(middle[1], 0);
   const std::uint8_t* after = picture.at(static_cast<int>(there.x()), static_cast<int>(there.y()));
-  EXPECT_TRUE(std::equal(after, after + 3, bare.begin())) << "the stylus holds it no more";
+  EXPECT_TRUE(std::equal(after, after + 3, background.begin())) << "the stylus holds it no more";
 }
 
 // The object is drawn where it is felt at that time, because both nodes evaluate the same keyframes.
@@ -113,12 +114,12 @@ TEST_F(MovedObjectsTest, AnObjectThatMovesByKeyframesIsDrawnWhereItIsAtThatTime)
   scene.objects[0].motion = motion;
   MovedObjects moved(*view, scene);
   EXPECT_TRUE(moved.has_motion());
-  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.01, 0, 0))).norm(), 0.6) << "where it begins";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + Vec3(0.01, 0, 0))).norm(), 0.6) << "where it begins";
   EXPECT_TRUE(moved.set_time(1'500'000'000));
   EXPECT_FALSE(moved.set_time(1'500'000'000)) << "the same again";
   moved.place_moving();
-  EXPECT_LT((*find(0) - expected(motion->pose_at(1.5) * kRedAt)).norm(), 0.6);
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_LT((*find_marker(0) - pixel_of(motion->pose_at(1.5) * kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6) << "the other stays";
   EXPECT_EQ(moved.moving()[0].matrix(), motion->pose_at(1.5).matrix());
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
@@ -139,19 +140,19 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramMovesIsDrawnWhereItIsAtThatTime) {
   MovedObjects moved(*view, scene);
   EXPECT_TRUE(moved.has_motion());
   EXPECT_FALSE(moved.set_time(400'000'000));
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "at rest";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6) << "at rest";
   ObjectMove first{.source = 5, .serial = 1, .start_ns = 500'000'000, .end_ns = 1'500'000'000, .to_p_m = Vec3(0.04, -0.06, 0.02)};
   first.to_q = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
   ASSERT_TRUE(moved.take(first));
   EXPECT_FALSE(moved.take(first)) << "announced again";
-  EXPECT_FALSE(moved.set_time(450'000'000)) << "of before its start";
+  EXPECT_FALSE(moved.set_time(450'000'000)) << "from before its start";
   EXPECT_TRUE(moved.set_time(1'250'000'000));
   moved.place_moving();
   CommandedMotion felt(scene.objects[0].commanded->pivot());
   felt.begin(to_command(first));
   EXPECT_EQ(moved.moving()[0].matrix(), felt.pose_at(1e-9 * 1'250'000'000).matrix());
-  EXPECT_LT((*find(0) - expected(felt.pose_at(1.25) * kRedAt)).norm(), 0.6);
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_LT((*find_marker(0) - pixel_of(felt.pose_at(1.25) * kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6) << "the other stays";
   // A newer move takes over at 1.3 s; a sample of 1.2 s is still shown as it was felt.
   const Keyframe at_takeover = felt.keyframe_at(1.3);
   ASSERT_TRUE(moved.take(ObjectMove{.source = 5,
@@ -182,7 +183,7 @@ TEST_F(MovedObjectsTest, AnotherHapticsProcessHasOtherMoves) {
 }
 
 // A move of the previous process arrives late: the object is felt where the scene file puts it, and is drawn there.
-TEST_F(MovedObjectsTest, AMoveOfTheProcessBeforeThatWasOvertakenIsLeftOut) {
+TEST_F(MovedObjectsTest, AnOvertakenMoveOfThePreviousProcessIsLeftOut) {
   ASSERT_TRUE(view);
   scene.objects[0] = commanded_marker(scene.objects[0]);
   MovedObjects moved(*view, scene);
@@ -216,12 +217,12 @@ TEST_F(MovedObjectsTest, AnObjectThatDeformsIsDrawnInItsShapeOfThatTime) {
       std::make_shared<const MeshDeformation>(std::vector{target}, std::vector<MorphKey>{{0.0, {0.0}}, {2.0, {1.0}}}, false);
   MovedObjects moved(*view, scene);
   EXPECT_TRUE(moved.has_motion());
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
   EXPECT_TRUE(moved.set_time(1'000'000'000));
   moved.place_moving();
   EXPECT_FALSE(moved.set_time(1'000'000'000)) << "the same again";
-  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6) << "the other stays";
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
@@ -231,13 +232,13 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime)
   scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
   MovedObjects moved(*view, scene);
   EXPECT_TRUE(moved.has_motion());
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
   const auto total = static_cast<std::uint32_t>(scene.objects[0].mesh->vertices.size());
   const ShapeStart start{.source = 5, .serial = 1, .total = total, .start_ns = 1'000'000'000, .end_ns = 2'000'000'000};
   moved.take(start, Arrival::newest);
   EXPECT_FALSE(moved.set_time(1'500'000'000)) << "its vertices have not come";
   moved.place_moving();
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
   ASSERT_FALSE(moved.take_shape_request(0));
   const auto request = moved.take_shape_request(1'000'000'000);
   ASSERT_TRUE(request);
@@ -250,21 +251,21 @@ TEST_F(MovedObjectsTest, AnObjectThatAProgramDeformsIsDrawnInItsShapeOfThatTime)
   EXPECT_TRUE(moved.set_time(1'500'000'000));
   moved.place_moving();
   EXPECT_FALSE(moved.set_time(1'500'000'000)) << "the same again";
-  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6) << "the other stays";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + Vec3(0.03, 0, 0))).norm(), 0.6);
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6) << "the other stays";
   moved.set_time(3'000'000'000);
   moved.place_moving();
-  EXPECT_LT((*find(0) - expected(kRedAt + Vec3(0.06, 0, 0))).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + Vec3(0.06, 0, 0))).norm(), 0.6);
   moved.set_time(900'000'000);
   moved.place_moving();
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "a sample of before";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6) << "a sample from before the move";
   // With another haptics process the object is at rest.
   moved.set_time(3'000'000'000);
   moved.place_moving();
   moved.take(ShapeStart{.source = 6, .total = total}, Arrival::newest);
   EXPECT_TRUE(moved.set_time(3'000'000'000));
   moved.place_moving();
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
 }
 
 TEST_F(MovedObjectsTest, NothingMovesInASceneWithoutKeyframes) {
@@ -292,21 +293,21 @@ TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereTheyWerePut) {
   ASSERT_TRUE(before.take(ObjectPose{.serial = 2, .object = 0, .p_m = by}));
   ASSERT_TRUE(before.take(ObjectPose{.serial = 3, .object = 1, .is_held = true, .p_m = beside_tip}));
   const Scene again = scene;
-  ASSERT_TRUE(view->replace_scene(shown, {}));
+  ASSERT_TRUE(view->replace_scene(shown_objects, {}));
   MovedObjects after(*view, again);
   after.adopt(before);
-  EXPECT_LT((*find(0) - expected(kRedAt + by)).norm(), 0.6);
-  EXPECT_FALSE(find(1)) << "it is at the stylus, which is not drawn";
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + by)).norm(), 0.6);
+  EXPECT_FALSE(find_marker(1)) << "it is at the stylus, which is not drawn";
   EXPECT_EQ(after.held(), 1);
   EXPECT_EQ(after.held_pose().translation(), beside_tip);
   EXPECT_EQ(after.poses()[0].translation(), by);
   Scene other = scene;
   other.objects[0].name = "blue";
-  ASSERT_TRUE(view->replace_scene(shown, {}));
+  ASSERT_TRUE(view->replace_scene(shown_objects, {}));
   MovedObjects anew(*view, other);
   anew.adopt(after);
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "the numbers are those of other objects";
-  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6) << "the numbers are those of other objects";
+  EXPECT_LT((*find_marker(1) - pixel_of(kGreenAt)).norm(), 0.6);
   EXPECT_EQ(anew.held(), -1);
 }
 
@@ -321,20 +322,20 @@ TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereProgramsMovedThem) 
   ASSERT_TRUE(before.take(move));
   before.set_time(1'000'000'000);
   const Scene again = scene;
-  ASSERT_TRUE(view->replace_scene(shown, {}));
+  ASSERT_TRUE(view->replace_scene(shown_objects, {}));
   MovedObjects after(*view, again);
   after.adopt(before);
   EXPECT_EQ(after.moving()[0].translation(), there);
-  EXPECT_LT((*find(0) - expected(kRedAt + there)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt + there)).norm(), 0.6);
   EXPECT_FALSE(after.take(move)) << "it is known";
   // With another pivot the same move leads elsewhere, and the haptics node has not moved that object yet.
   Scene other = scene;
   other.objects[0] = commanded_marker(scene.objects[0], Vec3(0.01, 0.0, 0.0));
-  ASSERT_TRUE(view->replace_scene(shown, {}));
+  ASSERT_TRUE(view->replace_scene(shown_objects, {}));
   MovedObjects anew(*view, other);
   anew.adopt(after);
   EXPECT_EQ(anew.moving()[0].matrix(), Pose::Identity().matrix());
-  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
+  EXPECT_LT((*find_marker(0) - pixel_of(kRedAt)).norm(), 0.6);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The real vision_node, with the OpenXR loader and, below it, our own runtime (xr/mock_runtime.cpp).
+// The real vision_node with the OpenXR loader and the mock runtime (xr/mock_runtime.cpp).
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kEye{800, 880};
+constexpr PictureSize kHeadsetPicture{800, 880};
 const std::array<Vec3, 3> kSpots = {Vec3(-0.08, 0.03, 0.05), Vec3(0.01, -0.02, 0.0), Vec3(0.09, 0.05, -0.1)};
 
 std::string read_all(const std::filesystem::path& file) {
@@ -41,9 +41,9 @@ std::string read_all(const std::filesystem::path& file) {
 Picture read_ppm(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string kind;
-  int most = 0;
+  int max_value = 0;
   Picture picture;
-  in >> kind >> picture.size.width_px >> picture.size.height_px >> most;
+  in >> kind >> picture.size.width_px >> picture.size.height_px >> max_value;
   in.get();
   const std::size_t row = 3 * static_cast<std::size_t>(std::max(0, picture.size.width_px));
   picture.rgb.resize(row * static_cast<std::size_t>(std::max(0, picture.size.height_px)));
@@ -74,7 +74,7 @@ Vec2 project(const EyeInFrame& eye, const Vec3& p_L) {
   const Vec3 p_E = eye.X_FE.inverse() * p_L;
   const double l = std::tan(eye.fov.left_rad), r = std::tan(eye.fov.right_rad), u = std::tan(eye.fov.up_rad),
                d = std::tan(eye.fov.down_rad);
-  return {(p_E.x() / -p_E.z() - l) / (r - l) * kEye.width_px, (p_E.y() / -p_E.z() - d) / (u - d) * kEye.height_px};
+  return {(p_E.x() / -p_E.z() - l) / (r - l) * kHeadsetPicture.width_px, (p_E.y() / -p_E.z() - d) / (u - d) * kHeadsetPicture.height_px};
 }
 
 struct XrRun {
@@ -107,14 +107,14 @@ class OpenXrProgram : public testing::Test {
     return fmt::format(
         "cd {} && XDG_CONFIG_HOME={} XDG_CONFIG_DIRS={} {} HAPTON_MOCK_XR=out={},width={},height={},{} " HAPTON_BIN_DIR
         "/vision_node --stereo openxr --scene scene.toml --no-depth-cues --no-keys-help --size 320x180 --hub 127.0.0.1:9 {} 2>&1",
-        scratch_.path().string(), scratch_.path().string(), scratch_.path().string(), runtime, out().string(), kEye.width_px,
-        kEye.height_px, mock, arguments);
+        scratch_.path().string(), scratch_.path().string(), scratch_.path().string(), runtime, out().string(), kHeadsetPicture.width_px,
+        kHeadsetPicture.height_px, mock, arguments);
   }
-  std::string our_runtime() const { return "XR_RUNTIME_JSON=" + (scratch_.path() / "runtime.json").string(); }
+  std::string mock_runtime_environment() const { return "XR_RUNTIME_JSON=" + (scratch_.path() / "runtime.json").string(); }
 
   // mock: settings of the mock runtime, as mock_runtime.cpp reads them.
   XrRun run(const std::string& mock, const std::string& arguments = "--offscreen", const std::optional<std::string>& runtime = {}) const {
-    return finish(popen(command(mock, arguments, runtime.value_or(our_runtime())).c_str(), "r"));
+    return finish(popen(command(mock, arguments, runtime.value_or(mock_runtime_environment())).c_str(), "r"));
   }
   XrRun finish(FILE* pipe) const {
     XrRun run;
@@ -131,7 +131,7 @@ class OpenXrProgram : public testing::Test {
   void expect_frame(int frame, const std::array<EyeInFrame, 2>& eyes, const Pose& X_LW) const {
     for (std::size_t eye = 0; eye < 2; ++eye) {
       const Picture picture = read_ppm(out() / fmt::format("frame_{:03}_{}.ppm", frame, eye));
-      ASSERT_EQ(picture.size, kEye) << "frame " << frame;
+      ASSERT_EQ(picture.size, kHeadsetPicture) << "frame " << frame;
       for (int spot = 0; spot < 3; ++spot) {
         const Vec2 theory = project(eyes[eye], X_LW * kSpots[static_cast<std::size_t>(spot)]);
         const auto found = middle_of(picture, spot);
@@ -150,6 +150,7 @@ TEST_F(OpenXrProgram, EachEyeSeesEveryPointWithinHalfAPixelOfItsProjection) {
   EXPECT_EQ(run.code, 0) << run.output;
   const Pose X_LW = Eigen::Translation3d(0.03, -0.2, -0.55) * Pose(turn_by_degrees({10.0, 25.0, -5.0}));
   for (int frame = 0; frame < 4; ++frame) expect_frame(frame, mock_xr::eyes_at(frame), X_LW);
+  // 0x8c43 is GL_SRGB8_ALPHA8.
   EXPECT_EQ(
       run.log,
       "format 0x8c43\nformat 0x8c43\nbegun\nframe 0 layers 1\nframe 1 layers 1\nframe 2 layers 1\nframe 3 layers 1\nended\ndestroyed\n");
@@ -164,23 +165,24 @@ TEST_F(OpenXrProgram, TheTextsStandBehindTheWorkspaceForBothEyes) {
   const auto eyes = mock_xr::eyes_at(2);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const Picture picture = read_ppm(out() / fmt::format("frame_002_{}.ppm", eye));
-    ASSERT_EQ(picture.size, kEye);
+    ASSERT_EQ(picture.size, kHeadsetPicture);
+    // The lower left corner of the facts, and a point above their upper edge, in the middle of the workspace.
     const Vec2 corner = project(eyes[eye], X_LW * Vec3(-0.19, 0.11, -0.19));
     const Vec2 far_corner = project(eyes[eye], X_LW * Vec3(0.0, 0.13, -0.19));
-    int plate = 0;
-    int letters = 0;
-    int leftmost = kEye.width_px;
+    int plate_pixels = 0;
+    int letter_pixels = 0;
+    int leftmost = kHeadsetPicture.width_px;
     for (int y = static_cast<int>(far_corner.y()); y < static_cast<int>(corner.y()) + 10; ++y) {  // from the top; the plate is tilted
       for (int x = static_cast<int>(corner.x()) - 60; x < static_cast<int>(far_corner.x()); ++x) {
         const std::uint8_t* rgb = picture.at(x, y);
-        letters += std::min({rgb[0], rgb[1], rgb[2]}) > 120 ? 1 : 0;
+        letter_pixels += std::min({rgb[0], rgb[1], rgb[2]}) > 120 ? 1 : 0;
         if (std::max({rgb[0], rgb[1], rgb[2]}) > 30) continue;  // the background is lighter
-        ++plate;
+        ++plate_pixels;
         leftmost = std::min(leftmost, x);
       }
     }
-    EXPECT_GT(plate, 100) << "eye " << eye;
-    EXPECT_GT(letters, 8) << "eye " << eye;
+    EXPECT_GT(plate_pixels, 100) << "eye " << eye;
+    EXPECT_GT(letter_pixels, 8) << "eye " << eye;
     EXPECT_NEAR(leftmost, corner.x(), 3.0) << "eye " << eye;
   }
 }
@@ -194,22 +196,23 @@ TEST_F(OpenXrProgram, TheCurvesStandBesideTheWorkspaceForBothEyes) {
     EXPECT_EQ(run.code, 0) << run.output;
     for (std::size_t eye = 0; eye < 2; ++eye) {
       const Picture picture = read_ppm(out() / fmt::format("frame_002_{}.ppm", eye));
-      ASSERT_EQ(picture.size, kEye);
+      ASSERT_EQ(picture.size, kHeadsetPicture);
       // The lower left and the upper right corner of the upper frame.
       const Vec2 low = project(eyes[eye], X_LW * Vec3(0.1448, 0.0139, -0.19));
       const Vec2 high = project(eyes[eye], X_LW * Vec3(0.2672, 0.0607, -0.19));
-      ASSERT_TRUE(low.minCoeff() > 5.0 && high.x() < kEye.width_px - 5 && high.y() < kEye.height_px - 5) << low << " " << high;
-      int light = 0;
+      ASSERT_TRUE(low.minCoeff() > 5.0 && high.x() < kHeadsetPicture.width_px - 5 && high.y() < kHeadsetPicture.height_px - 5)
+          << low << " " << high;
+      int light_pixels = 0;
       for (int y = static_cast<int>(low.y()) - 4; y < static_cast<int>(high.y()) + 4; ++y) {
         for (int x = static_cast<int>(low.x()) - 4; x < static_cast<int>(high.x()) + 4; ++x) {
           const std::uint8_t* rgb = picture.at(x, y);
-          light += std::min({rgb[0], rgb[1], rgb[2]}) > 90 ? 1 : 0;
+          light_pixels += std::min({rgb[0], rgb[1], rgb[2]}) > 90 ? 1 : 0;
         }
       }
       if (has_plots) {
-        EXPECT_GT(light, 2.0 * (high.x() - low.x())) << "eye " << eye;
+        EXPECT_GT(light_pixels, 2.0 * (high.x() - low.x())) << "eye " << eye;
       } else {
-        EXPECT_EQ(light, 0) << "eye " << eye;
+        EXPECT_EQ(light_pixels, 0) << "eye " << eye;
       }
     }
   }
@@ -227,6 +230,7 @@ TEST_F(OpenXrProgram, ARuntimeWithoutSrgbGetsTheSameBytes) {
   ASSERT_EQ(run("exit_after=1").code, 0);
   const std::string before = read_all(out() / "frame_000_0.ppm");
   const XrRun linear = run("exit_after=1,linear");
+  // GL_RGBA8.
   EXPECT_NE(linear.log.find("format 0x8058"), std::string::npos) << linear.log;
   EXPECT_TRUE(read_all(out() / "frame_000_0.ppm") == before);
 }
@@ -240,7 +244,7 @@ TEST_F(OpenXrProgram, TheEndOfTheProgramEndsTheSessionInOrder) {
   // The width in the IHDR chunk: both eyes are beside each other.
   const std::string png = read_all(picture);
   ASSERT_GT(png.size(), 24u);
-  EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 2 * kEye.width_px);
+  EXPECT_EQ(static_cast<unsigned char>(png[18]) * 256 + static_cast<unsigned char>(png[19]), 2 * kHeadsetPicture.width_px);
 }
 
 TEST_F(OpenXrProgram, AfterTheLossOfTheRuntimeTheWindowGoesOnInMono) {
@@ -269,7 +273,7 @@ TEST_F(OpenXrProgram, WhicheverCallFailsTheProgramGoesOnAndNamesIt) {
   EXPECT_NE(warned.output.find("the headset is lost (the runtime is about to end)"), std::string::npos) << warned.output;
 }
 
-TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLastOne) {
+TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAnUnknownPoseIsTheLastKnownOne) {
   const XrRun run = this->run("exit_after=10,hide_from=2,hide_to=4,blind_from=5,blind_to=7,crooked_from=8,crooked_to=9");
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_NE(run.output.find("the headset does not show the scene at present"), std::string::npos) << run.output;
@@ -286,19 +290,19 @@ TEST_F(OpenXrProgram, FramesThatNobodySeesAreEmptyAndAPoseThatIsNotKnownIsTheLas
 }
 
 TEST_F(OpenXrProgram, HomeBringsTheWorkspaceBeforeTheViewerAndArrowsMoveTheViewer) {
-  constexpr int kStill = 4;
+  constexpr int kStillFrame = 4;
   // Windows of earlier tests are gone only after this: Person finds the window by its name alone.
   XSync(static_cast<Display*>(DisplayConnection::open()->id()), False);
-  const std::string ends = fmt::format("--seconds 100 --screenshot {}", (scratch_.path() / "a.png").string());
-  FILE* const pipe = popen(command(fmt::format("still={}", kStill), ends, our_runtime()).c_str(), "r");
+  const std::string arguments = fmt::format("--seconds 100 --screenshot {}", (scratch_.path() / "a.png").string());
+  FILE* const pipe = popen(command(fmt::format("still={}", kStillFrame), arguments, mock_runtime_environment()).c_str(), "r");
   ASSERT_NE(pipe, nullptr);
   const auto frames = [&] {
     const std::string log = read_all(out() / "log");
-    return static_cast<int>(std::count(log.begin(), log.end(), '\n')) - 3;
+    return static_cast<int>(std::count(log.begin(), log.end(), '\n')) - 3;  // without two formats and "begun"
   };
   ASSERT_TRUE(wait_until([&] { return frames() >= 2; }));
   Person person;
-  ASSERT_TRUE(person.found());
+  ASSERT_TRUE(person.has_window());
   person.press_key(XK_Home);
   person.press_key(XK_Right);
   person.press_key(XK_Right);
@@ -307,18 +311,18 @@ TEST_F(OpenXrProgram, HomeBringsTheWorkspaceBeforeTheViewerAndArrowsMoveTheViewe
   person.press_key(XK_q);
   const XrRun run = finish(pipe);
   EXPECT_EQ(run.code, 0) << run.output;
-  const Pose X_LO = find_viewer_origin(mock_xr::head_at(kStill), RoomSpace::local);
-  expect_frame(0, mock_xr::eyes_at(kStill), Pose(Eigen::Translation3d(0.0, -0.25, -0.5)));
-  expect_frame(pressed + 3, mock_xr::eyes_at(kStill), X_LO * Eigen::Translation3d(-0.02, -0.25, -0.5));
+  const Pose X_LO = find_viewer_origin(mock_xr::head_at(kStillFrame), RoomSpace::local);
+  expect_frame(0, mock_xr::eyes_at(kStillFrame), Pose(Eigen::Translation3d(0.0, -0.25, -0.5)));
+  expect_frame(pressed + 3, mock_xr::eyes_at(kStillFrame), X_LO * Eigen::Translation3d(-0.02, -0.25, -0.5));
 }
 
 TEST_F(OpenXrProgram, WhatIsMissingIsOneLineAndTheEnd) {
-  const std::pair<const char*, const char*> wrong[] = {
+  const std::pair<const char*, const char*> cases[] = {
       {"no_headset", "the OpenXR runtime finds no headset; connect it"},
       {"no_opengl", "the OpenXR runtime does not support OpenGL"},
       {"opengl_9", "the OpenXR runtime needs OpenGL 9.2, and this display has"},
   };
-  for (const auto& [word, line] : wrong) {
+  for (const auto& [word, line] : cases) {
     const XrRun run = this->run(word);
     EXPECT_EQ(run.code, 1) << word;
     EXPECT_NE(run.output.find(line), std::string::npos) << run.output;
@@ -342,9 +346,9 @@ TEST_F(OpenXrProgram, WithoutARuntimeItSaysHowToGetOne) {
 }
 
 TEST_F(OpenXrProgram, WhatContradictsAHeadsetIsOneLine) {
-  for (const char* word : {"--screen-width-mm 500", "--head spacemouse", "--bench-frames 5"}) {
-    const XrRun run = this->run("", fmt::format("--offscreen {}", word));
-    EXPECT_EQ(run.code, 2) << word;
+  for (const char* flags : {"--screen-width-mm 500", "--head spacemouse", "--bench-frames 5"}) {
+    const XrRun run = this->run("", fmt::format("--offscreen {}", flags));
+    EXPECT_EQ(run.code, 2) << flags;
     EXPECT_EQ(run.lines(), 1) << run.output;
     EXPECT_NE(run.output.find("--stereo openxr: "), std::string::npos) << run.output;
   }

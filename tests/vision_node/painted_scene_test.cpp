@@ -15,14 +15,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kHalf = 0.08;
+constexpr double kHalfSide = 0.08;
 
 // A square that faces the viewer, with this many cells on each side.
 std::shared_ptr<TriangleMesh> make_square(std::uint32_t cells) {
   auto mesh = std::make_shared<TriangleMesh>();
   for (std::uint32_t y = 0; y <= cells; ++y) {
     for (std::uint32_t x = 0; x <= cells; ++x)
-      mesh->vertices.emplace_back(kHalf * (2.0 * x / cells - 1), kHalf * (2.0 * y / cells - 1), 0.0);
+      mesh->vertices.emplace_back(kHalfSide * (2.0 * x / cells - 1), kHalfSide * (2.0 * y / cells - 1), 0.0);
   }
   for (std::uint32_t y = 0; y < cells; ++y) {
     for (std::uint32_t x = 0; x < cells; ++x) {
@@ -34,20 +34,20 @@ std::shared_ptr<TriangleMesh> make_square(std::uint32_t cells) {
   return mesh;
 }
 
-std::shared_ptr<MeshAppearance> lay_image(const TriangleMesh& mesh, std::string png) {
-  auto look = std::make_shared<MeshAppearance>();
-  look->images.push_back({"made", std::move(png)});
-  look->materials.push_back({.name = "", .colour = {}, .image = 0});
+std::shared_ptr<MeshAppearance> make_image_appearance(const TriangleMesh& mesh, std::string png) {
+  auto appearance = std::make_shared<MeshAppearance>();
+  appearance->images.push_back({"made", std::move(png)});
+  appearance->materials.push_back({.name = "", .colour = {}, .image = 0});
   for (const Triangle& t : mesh.triangles) {
-    TriangleAppearance& triangle = look->triangles.emplace_back();
+    TriangleAppearance& triangle = appearance->triangles.emplace_back();
     triangle.material = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& p = mesh.vertices[t[k]];
       triangle.corners[k].texcoord =
-          Eigen::Vector2f(static_cast<float>(0.5 + 0.5 * p.x() / kHalf), static_cast<float>(0.5 - 0.5 * p.y() / kHalf));
+          Eigen::Vector2f(static_cast<float>(0.5 + 0.5 * p.x() / kHalfSide), static_cast<float>(0.5 - 0.5 * p.y() / kHalfSide));
     }
   }
-  return look;
+  return appearance;
 }
 
 std::array<int, 3> pixel_at(StereoView& view, const Picture& picture, const Vec3& p_W) {
@@ -58,23 +58,23 @@ std::array<int, 3> pixel_at(StereoView& view, const Picture& picture, const Vec3
 
 void expect_quarters(StereoView& view, int tolerance) {
   const Picture picture = view.read_picture();
-  const auto near = [&](double x, double y, const std::array<int, 3>& wanted) {
-    const auto seen = pixel_at(view, picture, Vec3(x * kHalf, y * kHalf, 0.0));
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], wanted[k], tolerance) << x << " " << y << " channel " << k;
+  const auto expect_at = [&](double x, double y, const std::array<int, 3>& expected) {
+    const auto actual = pixel_at(view, picture, Vec3(x * kHalfSide, y * kHalfSide, 0.0));
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(actual[k], expected[k], tolerance) << x << " " << y << " channel " << k;
   };
-  near(-0.5, 0.5, {255, 0, 0});
-  near(0.5, 0.5, {0, 255, 0});
-  near(-0.5, -0.5, {0, 0, 255});
-  near(0.5, -0.5, {255, 255, 255});
+  expect_at(-0.5, 0.5, {255, 0, 0});
+  expect_at(0.5, 0.5, {0, 255, 0});
+  expect_at(-0.5, -0.5, {0, 0, 255});
+  expect_at(0.5, -0.5, {255, 255, 255});
   // Close to the boundary between two colours.
-  near(-0.05, 0.5, {255, 0, 0});
-  near(0.05, 0.5, {0, 255, 0});
+  expect_at(-0.05, 0.5, {255, 0, 0});
+  expect_at(0.05, 0.5, {0, 255, 0});
 }
 
 TEST(PaintedScene, ShowsTheTextureTheRightWayUp) {
   const auto mesh = make_square(1);
-  const auto view =
-      open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{mesh, Vec3(0.5, 0.5, 0.5), lay_image(*mesh, make_quarters_png(64))}});
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
+                                 {{mesh, Vec3(0.5, 0.5, 0.5), make_image_appearance(*mesh, make_quarters_png(64))}});
   ASSERT_TRUE(view);
   view->draw();
   expect_quarters(*view, 3);
@@ -83,8 +83,8 @@ TEST(PaintedScene, ShowsTheTextureTheRightWayUp) {
 // 80,000 triangles: a coarser level of detail is drawn while the scene moves, and it shows the same texture.
 TEST(PaintedScene, ShowsTheTextureInACoarserLevelAndInFullDetail) {
   const auto mesh = make_square(200);
-  const auto view =
-      open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{mesh, Vec3(0.5, 0.5, 0.5), lay_image(*mesh, make_quarters_png(64))}});
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
+                                 {{mesh, Vec3(0.5, 0.5, 0.5), make_image_appearance(*mesh, make_quarters_png(64))}});
   ASSERT_TRUE(view);
   for (int i = 0; i < 3000 && view->detail_progress() < 1.0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   view->refine();
@@ -97,33 +97,34 @@ TEST(PaintedScene, ShowsTheTextureInACoarserLevelAndInFullDetail) {
 
 TEST(PaintedScene, GoesFromColourToColourBetweenVertices) {
   const auto mesh = make_square(1);
-  auto look = std::make_shared<MeshAppearance>();
+  auto appearance = std::make_shared<MeshAppearance>();
   for (const Triangle& t : mesh->triangles) {
-    TriangleAppearance& triangle = look->triangles.emplace_back();
+    TriangleAppearance& triangle = appearance->triangles.emplace_back();
     triangle.has_colours = true;
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corners[k].colour =
           mesh->vertices[t[k]].x() < 0 ? std::array<std::uint8_t, 3>{255, 0, 0} : std::array<std::uint8_t, 3>{0, 0, 255};
     }
   }
-  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{mesh, Vec3(0.5, 0.5, 0.5), look}});
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{mesh, Vec3(0.5, 0.5, 0.5), appearance}});
   ASSERT_TRUE(view);
   view->draw();
   const Picture picture = view->read_picture();
-  EXPECT_NEAR(pixel_at(*view, picture, {-0.5 * kHalf, 0.3 * kHalf, 0})[0], 191, 4);
+  // A quarter of the way from one colour to the other: 191 = 0.75 * 255.
+  EXPECT_NEAR(pixel_at(*view, picture, {-0.5 * kHalfSide, 0.3 * kHalfSide, 0})[0], 191, 4);
   EXPECT_NEAR(pixel_at(*view, picture, {0.0, 0.0, 0})[0], 128, 4);
-  EXPECT_NEAR(pixel_at(*view, picture, {0.5 * kHalf, -0.3 * kHalf, 0})[2], 191, 4);
+  EXPECT_NEAR(pixel_at(*view, picture, {0.5 * kHalfSide, -0.3 * kHalfSide, 0})[2], 191, 4);
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0})[1], 0);
 }
 
 // Texture coordinates from -1 to 2 over the square: the image is in the middle, and what lies beyond its edges is on all sides.
-std::shared_ptr<MeshAppearance> lay_beyond(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
-  auto look = lay_image(mesh, make_quarters_png(side));
-  look->materials[0].wrap = wrap;
-  for (TriangleAppearance& triangle : look->triangles) {
+std::shared_ptr<MeshAppearance> make_wrapped_appearance(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
+  auto appearance = make_image_appearance(mesh, make_quarters_png(side));
+  appearance->materials[0].wrap = wrap;
+  for (TriangleAppearance& triangle : appearance->triangles) {
     for (CornerAppearance& corner : triangle.corners) corner.texcoord = 3.0F * corner.texcoord - Eigen::Vector2f(1.0F, 1.0F);
   }
-  return look;
+  return appearance;
 }
 
 // The place in the image, 0 to 1, from which a place beyond its edges gets its colour (glTF 2.0, 3.8.4).
@@ -141,11 +142,11 @@ void expect_wrapped(StereoView& view, std::array<TextureWrap, 2> wrap) {
     for (const double down : {-0.9, -0.6, -0.4, -0.03, 0.03, 0.4, 0.6, 0.97, 1.03, 1.4, 1.6, 1.9}) {
       const bool is_right = wrap_place(wrap[0], right) > 0.5;
       const bool is_low = wrap_place(wrap[1], down) > 0.5;
-      const auto wanted = is_low ? (is_right ? std::array{255, 255, 255} : std::array{0, 0, 255})
-                                 : (is_right ? std::array{0, 255, 0} : std::array{255, 0, 0});
-      const Vec3 p_W(kHalf * ((right + 1.0) / 1.5 - 1.0), kHalf * (1.0 - (down + 1.0) / 1.5), 0.0);
-      const auto seen = pixel_at(view, picture, p_W);
-      for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(seen[k], wanted[k], 3) << right << " " << down << " channel " << k;
+      const auto expected = is_low ? (is_right ? std::array{255, 255, 255} : std::array{0, 0, 255})
+                                   : (is_right ? std::array{0, 255, 0} : std::array{255, 0, 0});
+      const Vec3 p_W(kHalfSide * ((right + 1.0) / 1.5 - 1.0), kHalfSide * (1.0 - (down + 1.0) / 1.5), 0.0);
+      const auto actual = pixel_at(view, picture, p_W);
+      for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(actual[k], expected[k], 3) << right << " " << down << " channel " << k;
     }
   }
 }
@@ -158,7 +159,7 @@ TEST(PaintedScene, RepeatsMirrorsOrEndsATextureBeyondItsEdges) {
       for (const int side : {32, 1024}) {
         SCOPED_TRACE(testing::Message() << "wrap " << int(across) << " " << int(down) << ", " << side << " texels");
         const auto view = open_or_fail(plain_settings(StereoMode::mono, 500, 500),
-                                       {{mesh, Vec3(0.5, 0.5, 0.5), lay_beyond(*mesh, {across, down}, side)}});
+                                       {{mesh, Vec3(0.5, 0.5, 0.5), make_wrapped_appearance(*mesh, {across, down}, side)}});
         ASSERT_TRUE(view);
         view->draw();
         // Within half a texel of an edge a repeating texture shows both sides of the edge: with 32 texels such a texture is not checked.
@@ -171,7 +172,8 @@ TEST(PaintedScene, RepeatsMirrorsOrEndsATextureBeyondItsEdges) {
 TEST(PaintedScene, WrapsInACoarserLevelAndInFullDetail) {
   const auto mesh = make_square(200);
   const std::array wrap = {TextureWrap::clamp, TextureWrap::mirror};
-  const auto view = open_or_fail(plain_settings(StereoMode::mono, 500, 500), {{mesh, Vec3(0.5, 0.5, 0.5), lay_beyond(*mesh, wrap, 256)}});
+  const auto view =
+      open_or_fail(plain_settings(StereoMode::mono, 500, 500), {{mesh, Vec3(0.5, 0.5, 0.5), make_wrapped_appearance(*mesh, wrap, 256)}});
   ASSERT_TRUE(view);
   wait_for_levels(*view);
   view->refine();
@@ -189,16 +191,16 @@ std::shared_ptr<TriangleMesh> move_towards_viewer(TriangleMesh mesh, double by_m
 
 std::shared_ptr<MeshAppearance> tint(const TriangleMesh& mesh, const Eigen::Vector3f& colour, float alpha,
                                      AlphaMode mode = AlphaMode::blend) {
-  auto look = std::make_shared<MeshAppearance>();
-  look->materials.push_back({.name = "glass", .colour = colour, .alpha_mode = mode, .alpha = alpha});
-  look->triangles.resize(mesh.triangles.size());
-  for (TriangleAppearance& triangle : look->triangles) triangle.material = 0;
-  return look;
+  auto appearance = std::make_shared<MeshAppearance>();
+  appearance->materials.push_back({.name = "glass", .colour = colour, .alpha_mode = mode, .alpha = alpha});
+  appearance->triangles.resize(mesh.triangles.size());
+  for (TriangleAppearance& triangle : appearance->triangles) triangle.material = 0;
+  return appearance;
 }
 
-void expect_colour(StereoView& view, const Vec3& p_W, const std::array<double, 3>& wanted, double tolerance = 2.0) {
-  const auto seen = pixel_at(view, view.read_picture(), p_W);
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(seen[k], wanted[k], tolerance) << "channel " << k;
+void expect_colour(StereoView& view, const Vec3& p_W, const std::array<double, 3>& expected, double tolerance = 2.0) {
+  const auto actual = pixel_at(view, view.read_picture(), p_W);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(actual[k], expected[k], tolerance) << "channel " << k;
 }
 
 // Two panes of glass in front of a wall: the nearer one covers the farther one, in whatever order the scene has them.
@@ -214,8 +216,8 @@ TEST(PaintedScene, BlendsPanesOfGlassFromTheFarthestToTheNearest) {
     const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), objects);
     ASSERT_TRUE(view);
     view->draw();
-    expect_colour(*view, {0.9 * kHalf, 0.9 * kHalf, 0.0}, {0, 255, 0});
-    expect_colour(*view, {0.7 * kHalf, 0.0, 0.02}, {0.4 * 255, 0.6 * 255, 0});
+    expect_colour(*view, {0.9 * kHalfSide, 0.9 * kHalfSide, 0.0}, {0, 255, 0});
+    expect_colour(*view, {0.7 * kHalfSide, 0.0, 0.02}, {0.4 * 255, 0.6 * 255, 0});
     expect_colour(*view, {0.0, 0.0, 0.04}, {0.4 * 0.4 * 255, 0.4 * 0.6 * 255, 0.6 * 255});
     const auto picked = view->pick(200, 200);
     ASSERT_TRUE(picked);
@@ -229,19 +231,20 @@ TEST(PaintedScene, BlendsTheTrianglesOfOneMeshInOrder) {
   const TriangleMesh back = *move_towards_viewer(both, -0.03);
   for (const Triangle& t : back.triangles) both.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
   both.vertices.insert(both.vertices.end(), back.vertices.begin(), back.vertices.end());
-  auto look = tint(both, {1, 0, 0}, 0.5F);
-  look->materials.push_back({.name = "other", .colour = Eigen::Vector3f(0, 0, 1), .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
-  look->triangles[2].material = look->triangles[3].material = 1;
-  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{std::make_shared<TriangleMesh>(both), Vec3::Ones(), look}});
+  auto appearance = tint(both, {1, 0, 0}, 0.5F);
+  appearance->materials.push_back({.name = "other", .colour = Eigen::Vector3f(0, 0, 1), .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
+  appearance->triangles[2].material = appearance->triangles[3].material = 1;
+  const auto view =
+      open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{std::make_shared<TriangleMesh>(both), Vec3::Ones(), appearance}});
   ASSERT_TRUE(view);
   view->set_cull(false);
   view->draw();
-  expect_colour(*view, {0.1 * kHalf, 0.2 * kHalf, 0.0}, {128, 0, 64});
-  Pose behind = Pose::Identity();
-  behind.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitY()).toRotationMatrix();
-  view->set_scene_pose(behind);
+  expect_colour(*view, {0.1 * kHalfSide, 0.2 * kHalfSide, 0.0}, {128, 0, 64});
+  Pose turned_around = Pose::Identity();
+  turned_around.linear() = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitY()).toRotationMatrix();
+  view->set_scene_pose(turned_around);
   view->draw();
-  expect_colour(*view, {0.1 * kHalf, 0.2 * kHalf, 0.03}, {64, 0, 128});
+  expect_colour(*view, {0.1 * kHalfSide, 0.2 * kHalfSide, 0.03}, {64, 0, 128});
 }
 
 // 80,000 triangles of glass in front of a wall: in a coarser level, and in full detail, which is drawn in parts.
@@ -252,27 +255,28 @@ TEST(PaintedScene, BlendsACoarserLevelAndFullDetail) {
                                  {{pane, Vec3::Ones(), tint(*pane, {1, 0, 0}, 0.25F)}, {wall, Vec3(0.0, 1.0, 1.0)}});
   ASSERT_TRUE(view);
   wait_for_levels(*view);
-  const auto expect_all = [&] {
-    for (int i = -4; i <= 4; ++i) expect_colour(*view, {0.2 * i * kHalf, 0.17 * i * kHalf, 0.03}, {64, 191, 191});
+  const auto expect_blended = [&] {
+    for (int i = -4; i <= 4; ++i) expect_colour(*view, {0.2 * i * kHalfSide, 0.17 * i * kHalfSide, 0.03}, {64, 191, 191});
   };
   view->refine();
   view->draw();
   EXPECT_LT(view->paint_count().triangles, pane->triangles.size() / 4);
-  expect_all();
+  expect_blended();
   while (view->refine()) view->draw();
   view->draw();
-  expect_all();
+  expect_blended();
   const auto picked = view->pick(200, 200);
   ASSERT_TRUE(picked);
   EXPECT_NEAR(picked->z(), 0.03, 1e-4);
 }
 
 // Left half opaque, right half with an alpha of 100. With mask and a cutoff of 0.5 it is a hole: what is behind is seen and picked there.
-std::shared_ptr<MeshAppearance> lay_halves(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
-  auto look = lay_image(mesh, make_rgba_png(64, 64, [](int x, int) { return Eigen::Vector4i(255, 0, 0, x < 32 ? 255 : 100); }));
-  look->materials[0].alpha_mode = mode;
-  look->materials[0].alpha_cutoff = cutoff;
-  return look;
+std::shared_ptr<MeshAppearance> make_half_transparent_appearance(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
+  auto appearance =
+      make_image_appearance(mesh, make_rgba_png(64, 64, [](int x, int) { return Eigen::Vector4i(255, 0, 0, x < 32 ? 255 : 100); }));
+  appearance->materials[0].alpha_mode = mode;
+  appearance->materials[0].alpha_cutoff = cutoff;
+  return appearance;
 }
 
 TEST(PaintedScene, CutsHolesBlendsOrIgnoresTheAlphaOfATexture) {
@@ -290,13 +294,14 @@ TEST(PaintedScene, CutsHolesBlendsOrIgnoresTheAlphaOfATexture) {
                            Case{AlphaMode::mask, 0.3F, red, red, 0.03}, Case{AlphaMode::mask, 1.5F, green, green, 0.0},
                            Case{AlphaMode::blend, 0.5F, red, {100, 155, 0}, 0.03}}) {
     SCOPED_TRACE(testing::Message() << "mode " << int(each.mode) << " cutoff " << each.cutoff);
-    const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
-                                   {{sheet, Vec3::Ones(), lay_halves(*sheet, each.mode, each.cutoff)}, {wall, Vec3(0.0, 1.0, 0.0)}});
+    const auto view = open_or_fail(
+        plain_settings(StereoMode::mono, 400, 400),
+        {{sheet, Vec3::Ones(), make_half_transparent_appearance(*sheet, each.mode, each.cutoff)}, {wall, Vec3(0.0, 1.0, 0.0)}});
     ASSERT_TRUE(view);
     view->draw();
-    expect_colour(*view, {-0.5 * kHalf, 0.0, 0.03}, each.left);
-    expect_colour(*view, {0.5 * kHalf, 0.0, 0.03}, each.right);
-    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, view->picture_size(), Vec3(0.5 * kHalf, 0.0, 0.03));
+    expect_colour(*view, {-0.5 * kHalfSide, 0.0, 0.03}, each.left);
+    expect_colour(*view, {0.5 * kHalfSide, 0.0, 0.03}, each.right);
+    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, view->picture_size(), Vec3(0.5 * kHalfSide, 0.0, 0.03));
     const auto picked = view->pick(static_cast<int>(at.x()), static_cast<int>(at.y()));
     ASSERT_TRUE(picked);
     EXPECT_NEAR(picked->z(), each.depth_right, 1e-4);
@@ -307,17 +312,18 @@ TEST(PaintedScene, CutsHolesBlendsOrIgnoresTheAlphaOfATexture) {
 TEST(PaintedScene, BlendsByTheAlphaOfItsVertices) {
   const auto wall = make_square(1);
   const auto sheet = move_towards_viewer(*wall, 0.03);
-  auto look = tint(*sheet, {1, 1, 1}, 1.0F);
+  auto appearance = tint(*sheet, {1, 1, 1}, 1.0F);
   for (std::size_t t = 0; t < sheet->triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      look->triangles[t].corners[k].alpha = sheet->corner(t, static_cast<int>(k)).x() < 0 ? 0 : 255;
+      appearance->triangles[t].corners[k].alpha = sheet->corner(t, static_cast<int>(k)).x() < 0 ? 0 : 255;
     }
   }
-  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{sheet, Vec3::Ones(), look}, {wall, Vec3(1.0, 0.0, 0.0)}});
+  const auto view =
+      open_or_fail(plain_settings(StereoMode::mono, 400, 400), {{sheet, Vec3::Ones(), appearance}, {wall, Vec3(1.0, 0.0, 0.0)}});
   ASSERT_TRUE(view);
   view->draw();
-  expect_colour(*view, {-0.5 * kHalf, 0.3 * kHalf, 0.03}, {255, 64, 64}, 4.0);
-  expect_colour(*view, {0.5 * kHalf, -0.3 * kHalf, 0.03}, {255, 191, 191}, 4.0);
+  expect_colour(*view, {-0.5 * kHalfSide, 0.3 * kHalfSide, 0.03}, {255, 64, 64}, 4.0);
+  expect_colour(*view, {0.5 * kHalfSide, -0.3 * kHalfSide, 0.03}, {255, 191, 191}, 4.0);
 }
 
 // An object whose image cannot be read, and one without an appearance: both have their plain colours.
@@ -325,17 +331,18 @@ TEST(PaintedScene, LeavesOtherObjectsAsTheyAre) {
   const auto mesh = make_square(1);
   auto moved = std::make_shared<TriangleMesh>(*mesh);
   for (Vec3& p : moved->vertices) p = 0.4 * p + Vec3(0.0, 0.0, 0.05);
-  const auto view = open_or_fail(plain_settings(StereoMode::mono, 400, 400),
-                                 {{mesh, Vec3(0.5, 0.5, 0.5), lay_image(*mesh, "no image at all")}, {moved, Vec3(1.0, 0.5, 0.0)}});
+  const auto view =
+      open_or_fail(plain_settings(StereoMode::mono, 400, 400),
+                   {{mesh, Vec3(0.5, 0.5, 0.5), make_image_appearance(*mesh, "no image at all")}, {moved, Vec3(1.0, 0.5, 0.0)}});
   ASSERT_TRUE(view);
   view->draw();
   const Picture picture = view->read_picture();
-  EXPECT_EQ(pixel_at(*view, picture, {0.8 * kHalf, 0.8 * kHalf, 0}), (std::array{128, 128, 128}));
+  EXPECT_EQ(pixel_at(*view, picture, {0.8 * kHalfSide, 0.8 * kHalfSide, 0}), (std::array{128, 128, 128}));
   EXPECT_EQ(pixel_at(*view, picture, {0.0, 0.0, 0.05}), (std::array{255, 128, 0}));
 }
 
-// Draws a grey square under lights of the scene, and returns the colour of its pixel at a point.
-std::array<int, 3> middle_under(const std::vector<SceneLight>& lights, const Vec3& at = Vec3::Zero()) {
+// Draws a grey square under these lights, and returns the colour of its pixel at a point.
+std::array<int, 3> colour_under(const std::vector<SceneLight>& lights, const Vec3& at = Vec3::Zero()) {
   ViewSettings settings = plain_settings(StereoMode::mono, 400, 400);
   settings.plain = false;
   settings.depth_cues = false;
@@ -351,15 +358,15 @@ int grey(double share) { return static_cast<int>(std::lround(255.0 * 0.5 * share
 
 TEST(PaintedScene, IsLitByTheLightsOfTheScene) {
   const Vec3 aside = Vec3(0.0, std::sqrt(0.75), 0.5);  // 60 degrees: no highlight towards the viewer
-  const auto red = middle_under({{.towards_or_p_W = aside, .colour = {1.0, 0.0, 0.0}}});
+  const auto red = colour_under({{.towards_or_p_W = aside, .colour = {1.0, 0.0, 0.0}}});
   EXPECT_NEAR(red[0], grey(0.20 + 0.88 * 0.5), 3);
   EXPECT_NEAR(red[1], grey(0.20), 3);
   EXPECT_NEAR(red[2], grey(0.20), 3);
   // Light from behind does not reach the visible side.
-  EXPECT_NEAR(middle_under({{.towards_or_p_W = -aside, .colour = {1.0, 1.0, 1.0}}})[0], grey(0.20), 3);
+  EXPECT_NEAR(colour_under({{.towards_or_p_W = -aside, .colour = {1.0, 1.0, 1.0}}})[0], grey(0.20), 3);
   // Two add up, each in its colour.
   const auto both =
-      middle_under({{.towards_or_p_W = aside, .colour = {0.5, 0.0, 0.0}}, {.towards_or_p_W = aside, .colour = {0.5, 1.0, 0.0}}});
+      colour_under({{.towards_or_p_W = aside, .colour = {0.5, 0.0, 0.0}}, {.towards_or_p_W = aside, .colour = {0.5, 1.0, 0.0}}});
   EXPECT_NEAR(both[0], grey(0.20 + 0.88 * 0.5), 3);
   EXPECT_NEAR(both[1], grey(0.20 + 0.88 * 0.5), 3);
   EXPECT_NEAR(both[2], grey(0.20), 3);
@@ -369,8 +376,8 @@ TEST(PaintedScene, ALightAtAPlaceShinesFromThere) {
   const SceneLight lamp{.has_position = true, .towards_or_p_W = {0.0, 0.06, 0.02}};
   for (const double y : {0.0, 0.03, -0.05}) {
     const Vec3 from = lamp.towards_or_p_W - Vec3(0.0, y, 0.0);
-    const int least = grey(0.20 + 0.88 * from.normalized().z());
-    EXPECT_NEAR(middle_under({lamp}, {0.0, y, 0.0})[0], least, 8) << y << ": flat shaded in cells of 4 mm";
+    const int expected_grey = grey(0.20 + 0.88 * from.normalized().z());
+    EXPECT_NEAR(colour_under({lamp}, {0.0, y, 0.0})[0], expected_grey, 8) << y << ": flat shaded in cells of 4 mm";
   }
 }
 

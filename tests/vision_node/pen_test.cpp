@@ -5,10 +5,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kDraw = 2;
-constexpr std::uint32_t kMeasure = 4;
+constexpr std::uint32_t kDrawButton = 2;
+constexpr std::uint32_t kMeasureButton = 4;
 
-PenSettings pen_settings() { return {.draw_buttons = kDraw, .measure_buttons = kMeasure, .bound_m = 1e-4}; }
+PenSettings pen_settings() { return {.draw_buttons = kDrawButton, .measure_buttons = kMeasureButton, .bound_m = 1e-4}; }
 
 struct PenTest : testing::Test {
   // Moves the pen along x, over this many points, with these buttons held.
@@ -26,7 +26,7 @@ struct PenTest : testing::Test {
 
 TEST_F(PenTest, AStrokeLastsFromThePressToTheRelease) {
   move(0);
-  move(kDraw);
+  move(kDrawButton);
   EXPECT_EQ(entries(), 0U);
   ASSERT_NE(pen.current(), nullptr);
   move(0);
@@ -42,15 +42,15 @@ TEST_F(PenTest, AStrokeLastsFromThePressToTheRelease) {
 
 TEST_F(PenTest, OtherAnnotationsEndWhatCanBeUndone) {
   move(0);
-  move(kDraw);
+  move(kDrawButton);
   move(0);
   move(0);
-  move(kDraw, 4);
+  move(kDrawButton, 4);
   ASSERT_TRUE(pen.undo());
   const auto entries_before = pen.entries_revision();
-  Annotations given = pen.annotations();
-  given.entries.resize(1);
-  pen.replace(given);
+  Annotations replacement = pen.annotations();
+  replacement.entries.resize(1);
+  pen.replace(replacement);
   EXPECT_NE(pen.entries_revision(), entries_before);
   EXPECT_EQ(entries(), 1U);
   EXPECT_EQ(pen.current(), nullptr);
@@ -62,7 +62,7 @@ TEST_F(PenTest, OtherAnnotationsEndWhatCanBeUndone) {
 
 TEST_F(PenTest, AStrokeHasAVertexOnBothSidesOfWhereTheFacetChanges) {
   lift();
-  for (int i = 1; i <= 30; ++i) pen.receive(AnnotationPoint{0, Vec3(0.001 * i, 0, 0)}, kDraw, i <= 12 ? 7 : 3);
+  for (int i = 1; i <= 30; ++i) pen.receive(AnnotationPoint{0, Vec3(0.001 * i, 0, 0)}, kDrawButton, i <= 12 ? 7 : 3);
   lift();
   ASSERT_EQ(entries(), 1U);
   EXPECT_EQ(stroke(0).points_m, (std::vector<Vec3>{{0.001, 0, 0}, {0.001 * 12, 0, 0}, {0.001 * 13, 0, 0}, {0.001 * 30, 0, 0}}));
@@ -70,38 +70,38 @@ TEST_F(PenTest, AStrokeHasAVertexOnBothSidesOfWhereTheFacetChanges) {
 
 TEST_F(PenTest, InFreeSpaceNothingIsDrawnAndAnotherObjectIsAnotherStroke) {
   lift();
-  lift(kDraw);
+  lift(kDrawButton);
   EXPECT_EQ(pen.current(), nullptr);
-  move(kDraw);
-  lift(kDraw);
-  move(kDraw, 5, 0);
-  move(kDraw, 5, 1);
+  move(kDrawButton);
+  lift(kDrawButton);
+  move(kDrawButton, 5, 0);
+  move(kDrawButton, 5, 1);
   lift();
   ASSERT_EQ(entries(), 3U);
   EXPECT_EQ(stroke(2).object, 1);
 }
 
 TEST_F(PenTest, AButtonHeldSinceTheStartDoesNothing) {
-  move(kDraw | kMeasure);
+  move(kDrawButton | kMeasureButton);
   EXPECT_EQ(pen.current(), nullptr);
   EXPECT_FALSE(pen.first_end());
   move(0, 1);
-  move(kDraw);
+  move(kDrawButton);
   EXPECT_NE(pen.current(), nullptr);
 }
 
 TEST_F(PenTest, TwoPressesMeasure) {
   move(0);
   const double from = x_m + 0.001;
-  move(kMeasure, 3);
+  move(kMeasureButton, 3);
   ASSERT_TRUE(pen.first_end());
   EXPECT_EQ(entries(), 0U);
   move(0, 20);
   lift();
-  lift(kMeasure);  // not in contact: nothing is taken
+  lift(kMeasureButton);  // not in contact: nothing is taken
   EXPECT_EQ(entries(), 0U);
   lift();
-  move(kMeasure, 1, 3);
+  move(kMeasureButton, 1, 3);
   ASSERT_EQ(entries(), 1U);
   EXPECT_EQ(measure(0).ends[0].object, 0);
   EXPECT_EQ(measure(0).ends[1].object, 3);
@@ -133,13 +133,13 @@ TEST_F(PenTest, KeysStandForButtons) {
 TEST_F(PenTest, TheModeSaysWhatTheDrawButtonDoes) {
   lift();
   pen.set_mode(PenMode::off);
-  move(kDraw);
+  move(kDrawButton);
   lift();
   EXPECT_EQ(entries(), 0U);
   pen.set_mode(PenMode::measure);
-  move(kDraw);
+  move(kDrawButton);
   lift();
-  move(kDraw);
+  move(kDrawButton);
   lift();
   ASSERT_EQ(entries(), 1U);
   EXPECT_TRUE(std::holds_alternative<Measure>(pen.annotations().entries[0]));
@@ -147,7 +147,7 @@ TEST_F(PenTest, TheModeSaysWhatTheDrawButtonDoes) {
 
 TEST_F(PenTest, AnotherModeFinishesTheStroke) {
   lift();
-  move(kDraw);
+  move(kDrawButton);
   pen.set_mode(PenMode::measure);
   EXPECT_EQ(entries(), 1U);
   EXPECT_EQ(pen.current(), nullptr);
@@ -158,10 +158,10 @@ TEST_F(PenTest, UndoAndRedo) {
   EXPECT_FALSE(pen.undo());
   EXPECT_FALSE(pen.redo());
   for (int i = 0; i < 3; ++i) {
-    move(kDraw);
+    move(kDrawButton);
     lift();
   }
-  const double last = stroke(2).points_m.front().x();
+  const double last_stroke_x = stroke(2).points_m.front().x();
   EXPECT_TRUE(pen.undo());
   EXPECT_TRUE(pen.undo());
   EXPECT_EQ(entries(), 1U);
@@ -169,9 +169,9 @@ TEST_F(PenTest, UndoAndRedo) {
   EXPECT_TRUE(pen.redo());
   EXPECT_FALSE(pen.redo());
   ASSERT_EQ(entries(), 3U);
-  EXPECT_EQ(stroke(2).points_m.front().x(), last);
+  EXPECT_EQ(stroke(2).points_m.front().x(), last_stroke_x);
   EXPECT_TRUE(pen.undo());
-  move(kDraw);
+  move(kDrawButton);
   lift();
   EXPECT_FALSE(pen.redo()) << "something else was drawn since";
   EXPECT_EQ(entries(), 3U);
@@ -179,51 +179,51 @@ TEST_F(PenTest, UndoAndRedo) {
 
 TEST_F(PenTest, UndoOfWhatIsUnderWay) {
   lift();
-  move(kMeasure, 1);
+  move(kMeasureButton, 1);
   EXPECT_TRUE(pen.undo());
   EXPECT_FALSE(pen.first_end());
   EXPECT_EQ(entries(), 0U);
-  move(kDraw);
+  move(kDrawButton);
   EXPECT_TRUE(pen.undo());
   EXPECT_EQ(entries(), 0U);
   EXPECT_EQ(pen.current(), nullptr);
-  move(kDraw);
+  move(kDrawButton);
   EXPECT_EQ(pen.current(), nullptr) << "not before it is pressed again";
   lift();
-  move(kDraw);
+  move(kDrawButton);
   EXPECT_NE(pen.current(), nullptr);
 }
 
 TEST_F(PenTest, WhatAFileHadCanBeUndone) {
-  Annotations given;
-  given.entries = {Stroke{0, {Vec3::Zero()}}};
-  pen = Pen(pen_settings(), given);
+  Annotations from_file;
+  from_file.entries = {Stroke{0, {Vec3::Zero()}}};
+  pen = Pen(pen_settings(), from_file);
   EXPECT_TRUE(pen.undo());
   EXPECT_EQ(entries(), 0U);
   EXPECT_TRUE(pen.redo());
   EXPECT_EQ(entries(), 1U);
 }
 
-TEST_F(PenTest, ThereIsRoomForSoManyPointsAndNoMore) {
-  Annotations given;
-  given.entries = {Stroke{0, std::vector<Vec3>(kMaxAnnotationPoints - 3, Vec3::Zero())}};
-  pen = Pen(pen_settings(), given);
+TEST_F(PenTest, TheNumberOfPointsIsLimited) {
+  Annotations from_file;
+  from_file.entries = {Stroke{0, std::vector<Vec3>(kMaxAnnotationPoints - 3, Vec3::Zero())}};
+  pen = Pen(pen_settings(), from_file);
   lift();
-  for (int i = 0; i < 20; ++i) pen.receive(AnnotationPoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
+  for (int i = 0; i < 20; ++i) pen.receive(AnnotationPoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDrawButton);
   EXPECT_TRUE(pen.take_full_report());
-  EXPECT_FALSE(pen.take_full_report()) << "said once";
+  EXPECT_FALSE(pen.take_full_report()) << "reported once";
   lift();
   EXPECT_LE(count_points(pen.annotations()), kMaxAnnotationPoints);
   EXPECT_EQ(entries(), 2U);
-  move(kMeasure, 1);
+  move(kMeasureButton, 1);
   lift();
-  move(kMeasure, 1);
+  move(kMeasureButton, 1);
   EXPECT_EQ(entries(), 2U);
   EXPECT_TRUE(pen.undo());
   move(0, 1);
-  move(kMeasure, 1);
+  move(kMeasureButton, 1);
   lift();
-  move(kMeasure, 1);
+  move(kMeasureButton, 1);
   EXPECT_EQ(entries(), 2U) << "undo made room";
 }
 
@@ -232,18 +232,18 @@ TEST_F(PenTest, RevisionsCountWhatChanges) {
   const auto before = pen.revision();
   lift();
   EXPECT_EQ(pen.revision(), before);
-  move(kDraw, 1);
+  move(kDrawButton, 1);
   EXPECT_GT(pen.revision(), before);
   EXPECT_EQ(pen.entries_revision(), 1U);
   lift();
   EXPECT_EQ(pen.entries_revision(), 2U);
 }
 
-TEST_F(PenTest, AskForAPointOnlyWhereOneIsUsed) {
+TEST_F(PenTest, WantsAPointOnlyWhereOneIsUsed) {
   EXPECT_FALSE(pen.wants_point(0));
   EXPECT_FALSE(pen.wants_point(1));
-  EXPECT_TRUE(pen.wants_point(kDraw));
-  EXPECT_TRUE(pen.wants_point(kMeasure));
+  EXPECT_TRUE(pen.wants_point(kDrawButton));
+  EXPECT_TRUE(pen.wants_point(kMeasureButton));
   pen.measure();
   EXPECT_TRUE(pen.wants_point(0));
 }

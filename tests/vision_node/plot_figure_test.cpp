@@ -22,7 +22,7 @@ TEST(PlotFigure, CurvesAreDrawnInTheirFramesAtTheRight) {
   EXPECT_FALSE(parts.is_any_shown());
   for (const double lift : {0.0, 40.0}) {
     figure.set(two_plots(), kPlotPicture, lift);
-    // Margins of 30 pixels; frames of 680 x 130 pixels, the first above the second.
+    // Margins of 30 pixels; frames of 680 x 130 pixels, the first 178 pixels above the second: a frame and 1.6 margins.
     const Vec2 size(680.0, 130.0);
     const Vec2 low[2] = {{1290.0, 180.0 + lift + 178.0}, {1290.0, 180.0 + lift}};
     struct Line {

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kEye{640, 720};
+constexpr PictureSize kEyePicture{640, 720};
 
 bool is_tip(const std::uint8_t* rgb) { return rgb[0] > 90 && rgb[2] * 3 < rgb[0] && rgb[1] * 2 > rgb[0]; }
 bool is_arrow(const std::uint8_t* rgb) { return rgb[1] > 90 && rgb[0] * 2 < rgb[1] && rgb[2] < rgb[1]; }
@@ -25,11 +25,11 @@ struct Extent {
   int min_y = 1 << 20;
 };
 
-Extent measure(const Picture& picture, bool (*wanted)(const std::uint8_t*), int from, int to) {
+Extent find_extent(const Picture& picture, bool (*is_wanted)(const std::uint8_t*), int from, int to) {
   Extent extent;
   for (int y = 0; y < picture.size.height_px; ++y) {
     for (int x = from; x < to; ++x) {
-      if (!wanted(picture.at(x, y))) continue;
+      if (!is_wanted(picture.at(x, y))) continue;
       ++extent.count;
       extent.min_x = std::min(extent.min_x, x - from);
       extent.min_y = std::min(extent.min_y, y);
@@ -49,7 +49,7 @@ TEST(ProbeFigure, NothingIsDrawnBeforeItIsSet) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {});
   ASSERT_TRUE(view);
   view->draw();
-  EXPECT_EQ(measure(view->read_picture(), is_tip, 0, 1280).count, 0);
+  EXPECT_EQ(find_extent(view->read_picture(), is_tip, 0, 1280).count, 0);
 }
 
 // The stylus leans up and to the right, so the left and lower edges of the ball at its tip are always seen: a radius from its centre.
@@ -63,10 +63,10 @@ TEST(ProbeFigure, TipIsDrawnAtDevicePositionPlusVisualOffsetInBothEyes) {
     view->draw();
     const Picture picture = view->read_picture();
     for (const auto& [eye, from] : {std::pair(Eye::left, 0), std::pair(Eye::right, 640)}) {
-      const Vec2 centre = project_to_pixel(screen, eye, kEye, p_WD + offset);
+      const Vec2 centre = project_to_pixel(screen, eye, kEyePicture, p_WD + offset);
       const double stretch = screen.distance_m / (screen.distance_m - (p_WD + offset).z());
       const double radius_px = view->probe_sizes().tip_radius_m * stretch * 640 / screen.width_m;
-      const Extent tip = measure(picture, is_tip, from, from + 640);
+      const Extent tip = find_extent(picture, is_tip, from, from + 640);
       ASSERT_GT(tip.count, 10);
       EXPECT_NEAR(tip.min_x, centre.x() - radius_px, 1.5);
       EXPECT_NEAR(tip.min_y, centre.y() - radius_px, 1.5);
@@ -92,19 +92,19 @@ TEST(ProbeFigure, ArrowIsSeenWhateverItsDirectionAndGrowsWithForce) {
   probe.q_WT = make_lean(0.9);
   view->set_probe(probe);
   view->draw();
-  EXPECT_EQ(measure(view->read_picture(), is_arrow, 0, 640).count, 0);
+  EXPECT_EQ(find_extent(view->read_picture(), is_arrow, 0, 640).count, 0);
   for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
-    int smaller = 0;
+    int previous_count = 0;
     for (const double newtons : {0.5, 2.0}) {
       probe.force_n = newtons * direction;
       view->set_probe(probe);
       view->draw();
-      const int now = measure(view->read_picture(), is_arrow, 0, 640).count;
-      EXPECT_GT(now, 10) << direction.transpose() << " " << newtons << " N";
+      const int count = find_extent(view->read_picture(), is_arrow, 0, 640).count;
+      EXPECT_GT(count, 10) << direction.transpose() << " " << newtons << " N";
       if (direction.z() == 0.0) {
-        EXPECT_GT(now, smaller);
+        EXPECT_GT(count, previous_count);
       }
-      smaller = now;
+      previous_count = count;
     }
   }
 }
@@ -121,18 +121,18 @@ TEST(ProbeFigure, ArrowIsSeenThroughTheObjectItPointsInto) {
   view->set_probe(probe);
   view->draw();
   const Picture picture = view->read_picture();
-  EXPECT_GT(measure(picture, is_arrow, 0, 640).count, 100);
-  EXPECT_GT(measure(picture, is_arrow, 640, 1280).count, 100);
-  EXPECT_EQ(measure(picture, is_stylus, 0, 1280).count, 0) << "the wall hides the stylus";
-  const int through = measure(picture, is_tip, 0, 1280).count;
-  EXPECT_GT(through, 10) << "the tip shows through, dotted";
+  EXPECT_GT(find_extent(picture, is_arrow, 0, 640).count, 100);
+  EXPECT_GT(find_extent(picture, is_arrow, 640, 1280).count, 100);
+  EXPECT_EQ(find_extent(picture, is_stylus, 0, 1280).count, 0) << "the wall hides the stylus";
+  const int tip_through_wall = find_extent(picture, is_tip, 0, 1280).count;
+  EXPECT_GT(tip_through_wall, 10) << "the tip shows through, dotted";
   wall->vertices[0].z() = wall->vertices[1].z() = wall->vertices[2].z() = -0.15;
   auto open_view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {{wall, {0.5, 0.1, 0.1}}});
   ASSERT_TRUE(open_view);
   open_view->set_probe(probe);
   open_view->draw();
-  EXPECT_LT(through, 0.7 * measure(open_view->read_picture(), is_tip, 0, 1280).count);
-  EXPECT_GT(measure(open_view->read_picture(), is_stylus, 0, 1280).count, 500);
+  EXPECT_LT(tip_through_wall, 0.7 * find_extent(open_view->read_picture(), is_tip, 0, 1280).count);
+  EXPECT_GT(find_extent(open_view->read_picture(), is_stylus, 0, 1280).count, 500);
 }
 
 TEST(ProbeFigure, TheTipIsSeenThoughTheForcePointsAtTheViewer) {
@@ -142,11 +142,11 @@ TEST(ProbeFigure, TheTipIsSeenThoughTheForcePointsAtTheViewer) {
   probe.q_WT = make_lean(0.9);
   view->set_probe(probe);
   view->draw();
-  const int alone = measure(view->read_picture(), is_tip, 0, 720).count;
+  const int alone = find_extent(view->read_picture(), is_tip, 0, 720).count;
   probe.force_n = {0.0, 0.0, 2.0};
   view->set_probe(probe);
   view->draw();
-  EXPECT_GT(measure(view->read_picture(), is_tip, 0, 720).count, 0.3 * alone);
+  EXPECT_GT(find_extent(view->read_picture(), is_tip, 0, 720).count, 0.3 * alone);
 }
 
 TEST(ProbeFigure, ASphereIsDrawnAtItsHapticSize) {
@@ -160,15 +160,15 @@ TEST(ProbeFigure, ASphereIsDrawnAtItsHapticSize) {
     view->set_probe_radius(radius_m);
     view->set_probe(probe);
     view->draw();
-    const Extent tip = measure(view->read_picture(), is_ball, 0, 720);
+    const Extent tip = find_extent(view->read_picture(), is_ball, 0, 720);
     EXPECT_NEAR(centre.x() - tip.min_x, radius_m * 720 / screen.width_m, 1.5);
     EXPECT_NEAR(centre.y() - tip.min_y, radius_m * 720 / screen.width_m, 1.5);
   }
   view->set_probe_radius(0.0);
   view->set_probe(probe);
   view->draw();
-  EXPECT_NEAR(centre.x() - measure(view->read_picture(), is_ball, 0, 720).min_x, view->probe_sizes().tip_radius_m * 720 / screen.width_m,
-              1.5);
+  EXPECT_NEAR(centre.x() - find_extent(view->read_picture(), is_ball, 0, 720).min_x,
+              view->probe_sizes().tip_radius_m * 720 / screen.width_m, 1.5);
 }
 
 TEST(ProbeFigure, AForceBeyondTheArrowsLengthIsMarkedRed) {
@@ -177,12 +177,12 @@ TEST(ProbeFigure, AForceBeyondTheArrowsLengthIsMarkedRed) {
   ProbeShown probe;
   probe.q_WT = make_lean(0.9);
   const ProbeSizes sizes = view->probe_sizes();
-  const double most_n = sizes.arrow_max_m / sizes.arrow_m_per_n;
-  for (const auto& [newtons, marked] : {std::pair(0.9 * most_n, false), std::pair(1.1 * most_n, true)}) {
+  const double longest_arrow_n = sizes.arrow_max_m / sizes.arrow_m_per_n;
+  for (const auto& [newtons, is_marked] : {std::pair(0.9 * longest_arrow_n, false), std::pair(1.1 * longest_arrow_n, true)}) {
     probe.force_n = {newtons, 0.0, 0.0};
     view->set_probe(probe);
     view->draw();
-    EXPECT_EQ(measure(view->read_picture(), is_red, 0, 720).count > 5, marked) << newtons;
+    EXPECT_EQ(find_extent(view->read_picture(), is_red, 0, 720).count > 5, is_marked) << newtons;
   }
 }
 
@@ -194,7 +194,7 @@ TEST(ProbeFigure, TheDevicesPlaceIsShownInContactOnly) {
     state.contact = contact;
     view->set_probe(make_shown_probe(state, make_lean(0.9)));
     view->draw();
-    const Extent red = measure(view->read_picture(), is_red, 0, 720);
+    const Extent red = find_extent(view->read_picture(), is_red, 0, 720);
     EXPECT_EQ(red.count > 20, contact);
     if (!contact) continue;
     const Vec2 device = project_to_pixel(view->screen(), Eye::centre, {720, 720}, state.p_WD);
@@ -209,8 +209,8 @@ TEST(ProbeFigure, TwoHandsHaveTheirOwnColours) {
   probe.q_WT = make_lean(0.9);
   view->set_other_probe(probe);
   view->draw();
-  EXPECT_EQ(measure(view->read_picture(), is_tip, 0, 720).count, 0) << "not the first hand's yellow";
-  EXPECT_GT(measure(view->read_picture(), is_blue, 0, 720).count, 20);
+  EXPECT_EQ(find_extent(view->read_picture(), is_tip, 0, 720).count, 0) << "not the first hand's yellow";
+  EXPECT_GT(find_extent(view->read_picture(), is_blue, 0, 720).count, 20);
 }
 
 TEST(ProbeFigure, TheTipsShadowLiesOnTheGroundBelowIt) {

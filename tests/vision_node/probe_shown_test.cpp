@@ -19,7 +19,7 @@ TEST(ShowProbe, AddsTheVisualOffset) {
   EXPECT_LT((make_shown_probe(state).p_WP - Vec3(0.11, 0.2, 0.28)).norm(), 1e-15);
 }
 
-TEST(ShowProbe, SurvivesRubbish) {
+TEST(ShowProbe, SurvivesInvalidNumbers) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   ProbeState state;
   state.p_WD = Vec3::Constant(kNan);
@@ -129,9 +129,10 @@ TEST(ProbeRadius, IsFoundInWhatTheHapticsNodeSays) {
   EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=0.015"), 0.015);
   EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=5e-4 friction=0.2"), 5e-4);
   EXPECT_EQ(find_set_size("name=smooth set_size=128 smooth_radius_m=0"), 128);
-  for (const char* said : {"", "name=proxy", "set_size=-3", "set_size=many"}) EXPECT_EQ(find_set_size(said), 64) << said;
-  for (const char* said : {"", "name=proxy", "probe_radius_m=", "probe_radius_m=-1", "probe_radius_m=nan", "probe_radius_m=inf"}) {
-    EXPECT_EQ(find_probe_radius(said), 0.0) << said;
+  for (const char* method_text : {"", "name=proxy", "set_size=-3", "set_size=many"})
+    EXPECT_EQ(find_set_size(method_text), 64) << method_text;
+  for (const char* method_text : {"", "name=proxy", "probe_radius_m=", "probe_radius_m=-1", "probe_radius_m=nan", "probe_radius_m=inf"}) {
+    EXPECT_EQ(find_probe_radius(method_text), 0.0) << method_text;
   }
 }
 

@@ -37,8 +37,9 @@ struct RecordedMarksTest : testing::Test {
                         write_annotations({.objects = {"lid", "block"},
                                            .entries = {Measure{{AnnotationPoint{0, Vec3::Zero()}, AnnotationPoint{1, on_block}}}},
                                            .put_down = {}},
-                                          7));
+                                          scene.given_hash));
   }
+  // Where an end of the measure is in the scene.
   Vec3 end(std::size_t n) const {
     const auto& measure = std::get<Measure>(marks->placed_annotations().entries.at(0));
     return place(measure.ends.at(n), marks->X_SO());

@@ -32,8 +32,8 @@ namespace {
 
 // A window that shows the made recording.
 struct RecordedWindow : OpenedRecording {
-  explicit RecordedWindow(VisionOptions given, MadeRecording&& recording = MadeRecording())
-      : OpenedRecording(std::move(recording)), options(std::move(given)) {
+  explicit RecordedWindow(VisionOptions base_options, MadeRecording&& recording = MadeRecording())
+      : OpenedRecording(std::move(recording)), options(std::move(base_options)) {
     options.session = file;
     options.view.width_px = 320;
     options.view.height_px = 180;
@@ -68,7 +68,7 @@ TEST(RecordedSession, PlaysInTheTimeOfTheRecording) {
   EXPECT_GT(window.session->step().frames().drawn(), 1U);
 }
 
-TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
+TEST(RecordedSession, ShowsTheRequestedMomentWithItsTimeLine) {
   const ScratchFolder scratch;
   VisionOptions options;
   options.at_s = 2.5;
@@ -90,8 +90,8 @@ TEST(RecordedSession, ShowsTheMomentAskedForWithItsTimeLine) {
   const auto at = [&](double share) { return picture.at(static_cast<int>(place.left_px + share * place.width_px), y); };
   EXPECT_GT(at(0.55)[1], at(0.55)[0] + 60);
   EXPECT_LT(std::abs(at(0.1)[1] - at(0.1)[0]), 20);
-  const std::uint8_t* moment = at(find_time_line_share(window.index, 2.5));
-  EXPECT_GT(std::min({moment[0], moment[1], moment[2]}), 200) << "white";
+  const std::uint8_t* moment_pixel = at(find_time_line_share(window.index, 2.5));
+  EXPECT_GT(std::min({moment_pixel[0], moment_pixel[1], moment_pixel[2]}), 200) << "white";
 }
 
 // Through the real window: with X's names of keys and positions of the pointer.
@@ -102,28 +102,29 @@ TEST(RecordedSession, ObeysKeysAndAPressOnTheLine) {
   RecordedWindow window(options);
   window.view->draw();
   Person person;
-  ASSERT_TRUE(person.found());
+  ASSERT_TRUE(person.has_window());
   const PictureSize size = window.view->picture_size();
   for (const KeySym key : {XK_bracketright, XK_bracketright, XK_space}) person.press_key(key);
   const TimeLinePlace place = place_time_line(size);
   const int x = static_cast<int>(place.left_px + 0.5 * place.width_px);
-  person.button(ButtonPress, 1, x, size.height_px - 5);
-  person.button(ButtonRelease, 1, x, size.height_px - 5);
+  person.send_button(ButtonPress, 1, x, size.height_px - 5);
+  person.send_button(ButtonRelease, 1, x, size.height_px - 5);
   person.press_key(XK_period);
   ASSERT_TRUE(window.session->run(window.stop));
   EXPECT_TRUE(window.session->player().is_paused());
   EXPECT_EQ(window.session->player().speed(), 4.0);
+  // The middle of four seconds, and one sample more.
   EXPECT_NEAR(window.session->player().moment_s(), 2.0, 0.03);
 }
 
-TEST(RecordedSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
+TEST(RecordedSession, AScreenshotByKeyThatFailsIsALineInThePicture) {
   VisionOptions options;
   options.seconds = 30.0;  // the key q ends it earlier
   options.view.offscreen = false;
   RecordedWindow window(options);
   window.view->draw();
   Person person;
-  ASSERT_TRUE(person.found());
+  ASSERT_TRUE(person.has_window());
   for (const KeySym key : {XK_s, XK_q}) person.press_key(key);
   const GoneFolder nowhere;
   const auto ended = window.session->run(window.stop);
@@ -277,19 +278,20 @@ TEST_F(RecordedSurfacesTest, AnObjectThatAProgramDeformedHasItsShapeOfEachMoment
   made.add(total, 3300, start_of(0, 0, 0, 6), 0.0F);
   open();
   EXPECT_EQ(window->index.shapes().all().size(), 33U) << "what was sent again is left out";
-  const std::vector<std::pair<double, double>> at = {{0.1, 0.0},    {0.399, 0.05}, {0.598, 10.0}, {0.9, 20.0},  {1.2, 5.0},
-                                                     {1.45, -10.0}, {1.5, -10.0},  {1.52, 0.0},   {1.54, 10.0}, {2.5, 10.0},
-                                                     {2.9, -10.0},  {3.25, -10.0}, {3.31, 0.0},   {3.9, 0.0}};
-  for (const auto& [t_s, right_mm] : at) EXPECT_NEAR(show(t_s), right_mm, 1e-4) << t_s;
-  for (auto one = at.rbegin(); one != at.rend(); ++one) EXPECT_NEAR(show(one->first), one->second, 1e-4) << "back to " << one->first;
-  for (std::size_t n = 0; n < 3 * at.size(); ++n) {
-    const auto& [t_s, right_mm] = at[(5 * n) % at.size()];
+  const std::vector<std::pair<double, double>> expected_shifts = {{0.1, 0.0},    {0.399, 0.05}, {0.598, 10.0}, {0.9, 20.0},  {1.2, 5.0},
+                                                                  {1.45, -10.0}, {1.5, -10.0},  {1.52, 0.0},   {1.54, 10.0}, {2.5, 10.0},
+                                                                  {2.9, -10.0},  {3.25, -10.0}, {3.31, 0.0},   {3.9, 0.0}};
+  for (const auto& [t_s, right_mm] : expected_shifts) EXPECT_NEAR(show(t_s), right_mm, 1e-4) << t_s;
+  for (auto shift = expected_shifts.rbegin(); shift != expected_shifts.rend(); ++shift)
+    EXPECT_NEAR(show(shift->first), shift->second, 1e-4) << "back to " << shift->first;
+  for (std::size_t n = 0; n < 3 * expected_shifts.size(); ++n) {
+    const auto& [t_s, right_mm] = expected_shifts[(5 * n) % expected_shifts.size()];
     EXPECT_NEAR(show(t_s), right_mm, 1e-4) << "across to " << t_s;
   }
 }
 
-// The haptics node started before the hub: a shape that it had by then, and announces later, is shown from the beginning.
-TEST_F(RecordedSurfacesTest, TheShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
+// The haptics node started before the hub: a shape that it already had then is shown from the beginning, although it announces it later.
+TEST_F(RecordedSurfacesTest, AShapeFromBeforeTheRecordingIsShownFromItsBeginning) {
   made.add(total, 700, start_of(4, 0, 1), 0.02F);
   made.add(total, 2000, start_of(5, 2000, 2400), -0.01F);
   open();
@@ -355,7 +357,7 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     window.session->set_marks(window.scene, marks->get());
     window.view->draw();
     Person person;
-    EXPECT_TRUE(person.found());
+    EXPECT_TRUE(person.has_window());
     for (const KeySym key : {XK_o, XK_q}) person.press_key(key);
     EXPECT_TRUE(window.session->run(window.stop));
     window.session.reset();  // finishes the export
@@ -366,9 +368,9 @@ TEST(RecordedSession, AKeyExportsWhatWasCarvedUntilTheMomentShown) {
     return mesh ? compute_volume(mesh->mesh) : 0.0;
   };
   EXPECT_EQ(volume_at(1.5), 0.0) << "nothing to export";
-  const double carved = volume_at(2.5);
-  EXPECT_GT(carved, 0.0);
-  EXPECT_LT(carved, 0.95 * compute_volume(make_icosphere(0.015, 3)));
+  const double carved_volume = volume_at(2.5);
+  EXPECT_GT(carved_volume, 0.0);
+  EXPECT_LT(carved_volume, 0.95 * compute_volume(make_icosphere(0.015, 3)));
   EXPECT_EQ(volume_at(3.5), 0.0) << "another haptics process";
 }
 

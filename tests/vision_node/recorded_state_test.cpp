@@ -11,6 +11,7 @@
 namespace hapton {
 namespace {
 
+// The expected values are those of MadeRecording.
 TEST(RecordedState, IsWhatTheHubShowedThen) {
   OpenedRecording recording;
   const auto touched = find_recorded_state(recording.index, *recording.rows, 2.4005);
@@ -79,7 +80,7 @@ TEST(RecordedState, WithoutAReplyTheNewestSampleIsShown) {
   EXPECT_NEAR(early->state.force_n.z(), 0.5, 1e-12);
   const auto later = find_recorded_state(recording.index, *recording.rows, 3.0005);
   ASSERT_TRUE(later);
-  EXPECT_EQ(later->state.status, ProbeStatus::fault_latched) << "what the hub said goes before";
+  EXPECT_EQ(later->state.status, ProbeStatus::fault_latched) << "the status of the hub takes precedence";
   EXPECT_NEAR(later->X_WS.translation().x(), 0.25, 1e-6) << "the newest view";
 }
 
@@ -95,7 +96,7 @@ TEST(RecordedState, AReplyCountsForTwentyMilliseconds) {
   const auto old = find_recorded_state(recording.index, *recording.rows, 2.0205);
   ASSERT_TRUE(old);
   EXPECT_FALSE(old->has_reply);
-  EXPECT_EQ(old->state.status, ProbeStatus::ok) << "by its notice";
+  EXPECT_EQ(old->state.status, ProbeStatus::ok) << "from the newest state of the hub";
 }
 
 TEST(RecordedState, ATurnedToolIsShownTurned) {

@@ -22,7 +22,7 @@ Scene ball_at(const Vec3& p_SO, double radius_m) {
   return scene;
 }
 
-VisionOptions in_window(PictureSize size = kWindow) {
+VisionOptions window_options(PictureSize size = kWindow) {
   VisionOptions options;
   options.view.width_px = size.width_px;
   options.view.height_px = size.height_px;
@@ -47,21 +47,21 @@ bool shows_workspace(const Framing& framing, PictureSize size = kWindow) {
 
 // The drawn width of a ball, as a share of the picture's smaller side.
 double width_of_ball(const Framing& framing, const Vec3& p_W, double radius_m) {
-  const Vec3 aside = compute_screen(framing, kWindow).X_WV.linear().col(0) * radius_m;
-  return (pixel_of(framing, p_W + aside) - pixel_of(framing, p_W - aside)).norm() / kWindow.height_px;
+  const Vec3 to_the_right = compute_screen(framing, kWindow).X_WV.linear().col(0) * radius_m;
+  return (pixel_of(framing, p_W + to_the_right) - pixel_of(framing, p_W - to_the_right)).norm() / kWindow.height_px;
 }
 
 TEST(SceneFraming, ShowsTheSceneAndTheWholeWorkspace) {
   for (const double radius_m : {0.02, 0.05, 0.1, 0.14}) {
     for (const PictureSize size : {kWindow, PictureSize{640, 720}, PictureSize{400, 900}}) {
-      const Framing framing = frame_scene(ball_at(Vec3::Zero(), radius_m), in_window(size));
+      const Framing framing = frame_scene(ball_at(Vec3::Zero(), radius_m), window_options(size));
       EXPECT_TRUE(shows_workspace(framing, size)) << radius_m << " m in " << size.width_px << "x" << size.height_px;
     }
   }
 }
 
 TEST(SceneFraming, HasTheWorkspaceInTheMiddleAndTheSceneInWhateverTheDialsDo) {
-  const Framing framing = frame_scene(ball_at({0.03, 0.0, 0.0}, 0.05), in_window());
+  const Framing framing = frame_scene(ball_at({0.03, 0.0, 0.0}, 0.05), window_options());
   Vec2 low(kWindow.width_px, kWindow.height_px);
   Vec2 high = Vec2::Zero();
   for (const auto& edge : make_workspace_box()) {
@@ -80,7 +80,7 @@ TEST(SceneFraming, HasTheWorkspaceInTheMiddleAndTheSceneInWhateverTheDialsDo) {
 }
 
 TEST(SceneFraming, ShowsTheWorkspaceToBothEyes) {
-  VisionOptions options = in_window();
+  VisionOptions options = window_options();
   options.view.stereo = StereoMode::side_by_side;
   const Framing framing = frame_scene(ball_at(Vec3::Zero(), 0.05), options);
   const PictureSize half{640, 720};
@@ -93,14 +93,14 @@ TEST(SceneFraming, ShowsTheWorkspaceToBothEyes) {
 }
 
 TEST(SceneFraming, LeavesNoMoreRoomThanTheWorkspaceNeeds) {
-  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 0.05), in_window());
+  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 0.05), window_options());
   Framing nearer = framing;
   nearer.view_m *= 0.93;
   EXPECT_FALSE(shows_workspace(nearer));
 }
 
 TEST(SceneFraming, GrowsWithASceneThatIsLargerThanTheWorkspace) {
-  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 2.0), in_window());
+  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 2.0), window_options());
   const double width = width_of_ball(framing, Vec3::Zero(), 2.0);
   EXPECT_GT(width, 0.8);
   EXPECT_LE(width, 1.0);
@@ -109,7 +109,7 @@ TEST(SceneFraming, GrowsWithASceneThatIsLargerThanTheWorkspace) {
 
 TEST(SceneFraming, ASpeckFillsThePictureWhereverItIs) {
   for (const Vec3& p_W : {Vec3(0.0, 0.0, 0.0), Vec3(0.03, -0.02, 0.05), Vec3(0.0, 0.09, 0.0)}) {
-    const Framing framing = frame_scene(ball_at(p_W, 0.00005), in_window());
+    const Framing framing = frame_scene(ball_at(p_W, 0.00005), window_options());
     EXPECT_LT((pixel_of(framing, p_W) - Vec2(640.0, 360.0)).norm(), 1.0);
     EXPECT_GT(width_of_ball(framing, p_W, 0.00005), 0.5);
   }
@@ -117,7 +117,7 @@ TEST(SceneFraming, ASpeckFillsThePictureWhereverItIs) {
 
 TEST(SceneFraming, ASceneThatLiesApartIsShownWithTheWorkspace) {
   const Vec3 p_W(1.2, 0.3, -0.4);
-  const Framing framing = frame_scene(ball_at(p_W, 0.3), in_window());
+  const Framing framing = frame_scene(ball_at(p_W, 0.3), window_options());
   EXPECT_TRUE(shows_workspace(framing));
   EXPECT_TRUE(shows(framing, p_W));
   EXPECT_GT(width_of_ball(framing, p_W, 0.3), 0.2) << "not lost in a picture of the way there";
@@ -128,7 +128,7 @@ TEST(SceneFraming, TheMiddleIsThatOfTheSceneAndTheWorkspaceTogether) {
   const double workspace_m = 0.5 * workspace_size_m().norm();
   for (const auto& [p_WO, radius_m] :
        {std::pair(Vec3(1.2, 0.3, -0.4), 0.3), std::pair(Vec3(-0.3, 0.0, 0.0), 0.1), std::pair(Vec3(0, 3, 0), 1.4)}) {
-    const Framing framing = frame_scene(ball_at(p_WO, radius_m), in_window());
+    const Framing framing = frame_scene(ball_at(p_WO, radius_m), window_options());
     const double radius = bound_scene(ball_at(p_WO, radius_m)).radius_m;
     const double from_m = std::min(-workspace_m, p_WO.norm() - radius);
     const double to_m = std::max(workspace_m, p_WO.norm() + radius);
@@ -138,19 +138,19 @@ TEST(SceneFraming, TheMiddleIsThatOfTheSceneAndTheWorkspaceTogether) {
   }
   // A scene does not lie apart if its centre is less than two of its radii away, or within the radius of the workspace.
   for (const auto& [x_m, radius_m] : {std::pair(0.59, 0.3), std::pair(0.24, 0.01)}) {
-    EXPECT_EQ(frame_scene(ball_at({x_m, 0, 0}, radius_m), in_window()).p_WC, Vec3::Zero()) << x_m;
+    EXPECT_EQ(frame_scene(ball_at({x_m, 0, 0}, radius_m), window_options()).p_WC, Vec3::Zero()) << x_m;
   }
 }
 
 TEST(SceneFraming, ASceneInAnotherPlaceAltogetherIsShownAlone) {
   const Vec3 p_W(4.5e5, 12.0, 5.4e6);
-  const Framing framing = frame_scene(ball_at(p_W, 30.0), in_window());
+  const Framing framing = frame_scene(ball_at(p_W, 30.0), window_options());
   EXPECT_LT((pixel_of(framing, p_W) - Vec2(640.0, 360.0)).norm(), 1.0);
   EXPECT_GT(width_of_ball(framing, p_W, 30.0), 0.7);
 }
 
 TEST(SceneFraming, GoesByTheDialsAtTheStart) {
-  VisionOptions options = in_window();
+  VisionOptions options = window_options();
   options.dials_degrees = Vec3(0.0, 90.0, 0.0);
   const Framing framing = frame_scene(ball_at({0.08, 0.0, 0.0}, 0.0001), options);
   Dials dials;
@@ -158,13 +158,13 @@ TEST(SceneFraming, GoesByTheDialsAtTheStart) {
   EXPECT_LT((pixel_of(framing, dials.compute_pose(Vec3::Zero()) * Vec3(0.08, 0.0, 0.0)) - Vec2(640.0, 360.0)).norm(), 1.0);
 }
 
-TEST(SceneFraming, UsesTheGivenSize) {
-  VisionOptions options = in_window();
+TEST(SceneFraming, UsesTheSizeOfTheOptions) {
+  VisionOptions options = window_options();
   options.view_mm = 50.0;
   EXPECT_EQ(frame_scene(ball_at(Vec3::Zero(), 0.05), options).view_m, 0.05);
 }
 
-Scene seen_by(const SceneCamera& camera) {
+Scene scene_with_camera(const SceneCamera& camera) {
   Scene scene = ball_at(Vec3::Zero(), 0.05);
   scene.view.camera = camera;
   return scene;
@@ -185,7 +185,7 @@ TEST(SceneFraming, TheScenesCameraSeesWhatItSays) {
                                     {.p_WE = {-0.2, -0.4, -0.5}, .p_WC = {0.1, 0.0, 0.02}, .view_angle_deg = 60.0},
                                     {.p_WE = {0.0, 0.1, 0.9}, .up = Vec3(1.0, 1.0, 0.0).normalized()},
                                     {.p_WE = {3.0, 4.0, 5.0}, .up = -Vec3::UnitZ(), .view_angle_deg = 5.0}}) {
-    const Framing framing = frame_scene(seen_by(camera), in_window());
+    const Framing framing = frame_scene(scene_with_camera(camera), window_options());
     expect_camera(framing, camera, 1e-9);
     EXPECT_NEAR(framing.ipd_m / framing.distance_m, 0.063 / kDeskDistance, 1e-12) << "depth looks as at a desk";
     const StereoScreen screen = compute_screen(framing, kWindow);
@@ -199,47 +199,47 @@ TEST(SceneFraming, TheScenesCameraMayLookStraightDownOrUp) {
   for (const double height_m : {0.7, -0.7}) {
     for (const Vec3& up : {Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-0.6, 0, 0.8)}) {
       const SceneCamera camera{.p_WE = {0.0, height_m, 0.0}, .up = up};
-      expect_camera(frame_scene(seen_by(camera), in_window()), camera, 0.02);
+      expect_camera(frame_scene(scene_with_camera(camera), window_options()), camera, 0.02);
     }
   }
 }
 
 TEST(SceneFraming, FlagsCountMoreThanTheScenesCamera) {
   const SceneCamera camera{.p_WE = {0.3, 0.5, 0.6}, .p_WC = {0.0, 0.1, 0.0}};
-  const Framing seen = frame_scene(seen_by(camera), in_window());
-  VisionOptions options = in_window();
+  const Framing without_flags = frame_scene(scene_with_camera(camera), window_options());
+  VisionOptions options = window_options();
   options.view_yaw_deg = 10.0;
   options.is_view_yaw_given = true;
-  EXPECT_NEAR(frame_scene(seen_by(camera), options).yaw_rad, 10.0 * std::numbers::pi / 180.0, 1e-12);
-  EXPECT_EQ(frame_scene(seen_by(camera), options).pitch_rad, seen.pitch_rad);
+  EXPECT_NEAR(frame_scene(scene_with_camera(camera), options).yaw_rad, 10.0 * std::numbers::pi / 180.0, 1e-12);
+  EXPECT_EQ(frame_scene(scene_with_camera(camera), options).pitch_rad, without_flags.pitch_rad);
   options.view_pitch_deg = 5.0;
   options.is_view_pitch_given = true;
-  EXPECT_NEAR(frame_scene(seen_by(camera), options).pitch_rad, 5.0 * std::numbers::pi / 180.0, 1e-12);
+  EXPECT_NEAR(frame_scene(scene_with_camera(camera), options).pitch_rad, 5.0 * std::numbers::pi / 180.0, 1e-12);
   options.view_mm = 50.0;
-  EXPECT_EQ(frame_scene(seen_by(camera), options).view_m, 0.05);
-  EXPECT_EQ(frame_scene(seen_by(camera), options).p_WC, camera.p_WC);
+  EXPECT_EQ(frame_scene(scene_with_camera(camera), options).view_m, 0.05);
+  EXPECT_EQ(frame_scene(scene_with_camera(camera), options).p_WC, camera.p_WC);
 }
 
 // Each of these options decides where the eyes are.
 TEST(SceneFraming, TheScenesCameraGivesWayToAHeadAndAScreen) {
-  const Scene scene = seen_by({.p_WE = {3.0, 4.0, 5.0}});
-  std::vector<std::pair<std::string_view, VisionOptions>> all(4, {"", in_window()});
-  all[0].first = "--screen";
-  all[0].second.screen = ScreenRectangle{Pose::Identity(), 0.32, 0.24};
-  all[1].first = "--screen-width-mm";
-  all[1].second.screen_width_mm = 520.0;
-  all[2].first = "--stereo openxr";
-  all[2].second.view.stereo = StereoMode::openxr;
-  all[3].first = "--head";
-  all[3].second.has_space_head = true;
-  for (const auto& [flag, options] : all) {
+  const Scene scene = scene_with_camera({.p_WE = {3.0, 4.0, 5.0}});
+  std::vector<std::pair<std::string_view, VisionOptions>> cases(4, {"", window_options()});
+  cases[0].first = "--screen";
+  cases[0].second.screen = ScreenRectangle{Pose::Identity(), 0.32, 0.24};
+  cases[1].first = "--screen-width-mm";
+  cases[1].second.screen_width_mm = 520.0;
+  cases[2].first = "--stereo openxr";
+  cases[2].second.view.stereo = StereoMode::openxr;
+  cases[3].first = "--head";
+  cases[3].second.has_space_head = true;
+  for (const auto& [flag, options] : cases) {
     EXPECT_EQ(find_view_flag(options), flag);
     const Framing without = frame_scene(ball_at(Vec3::Zero(), 0.05), options);
     const Framing with = frame_scene(scene, options);
     EXPECT_EQ(compute_screen(with, kWindow).X_WV.matrix(), compute_screen(without, kWindow).X_WV.matrix()) << flag;
     EXPECT_EQ(with.distance_m, without.distance_m) << flag;
   }
-  EXPECT_EQ(find_view_flag(in_window()), "");
+  EXPECT_EQ(find_view_flag(window_options()), "");
 }
 
 TEST(SceneSphere, IsRoundTheMiddleOfTheBox) {

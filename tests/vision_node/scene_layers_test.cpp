@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-std::shared_ptr<const TriangleMesh> bumpy(std::size_t triangles) {
+std::shared_ptr<const TriangleMesh> bumpy_mesh(std::size_t triangles) {
   return std::make_shared<TriangleMesh>(make_bumpy_sphere(0.07, 0.25, triangles, 1));
 }
 
@@ -28,15 +28,15 @@ ViewSettings lit_settings(StereoMode mode, int width_px, int height_px) {
 double share_differing(const Picture& a, const Picture& b, int by_more_than = 0) {
   std::size_t differing = 0;
   for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
-    int most = 0;
-    for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(int{a.rgb[i + k]} - int{b.rgb[i + k]}));
-    differing += most > by_more_than;
+    int difference = 0;
+    for (std::size_t k = 0; k < 3; ++k) difference = std::max(difference, std::abs(int{a.rgb[i + k]} - int{b.rgb[i + k]}));
+    differing += difference > by_more_than;
   }
   return static_cast<double>(differing) / (static_cast<double>(a.rgb.size()) / 3.0);
 }
 
-TEST(SceneLayers, AMovingProbeDrawsNoSceneAgainAndATurnedSceneIsDrawnForEachEye) {
-  auto view = open_or_fail(lit_settings(StereoMode::side_by_side, 640, 360), {{bumpy(1'000), {0.6, 0.6, 0.6}}});
+TEST(SceneLayers, AMovingProbeDoesNotRedrawTheSceneAndATurnedSceneIsDrawnForEachEye) {
+  auto view = open_or_fail(lit_settings(StereoMode::side_by_side, 640, 360), {{bumpy_mesh(1'000), {0.6, 0.6, 0.6}}});
   ASSERT_TRUE(view);
   view->draw();
   EXPECT_EQ(view->scenes_drawn(), 2U);
@@ -58,7 +58,7 @@ TEST(SceneLayers, AMovingProbeDrawsNoSceneAgainAndATurnedSceneIsDrawnForEachEye)
 }
 
 TEST(SceneLayers, TheProbeIsHiddenByTheSceneInFrontOfIt) {
-  auto view = open_or_fail(plain_settings(StereoMode::mono, 320, 320), {{bumpy(1'000), {1, 0, 0}}});
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 320, 320), {{bumpy_mesh(1'000), {1, 0, 0}}});
   ASSERT_TRUE(view);
   view->draw();
   const Picture alone = view->read_picture();
@@ -71,7 +71,7 @@ TEST(SceneLayers, TheProbeIsHiddenByTheSceneInFrontOfIt) {
 }
 
 TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) {
-  const std::vector<ShownObject> objects = {{bumpy(300'000), {0.6, 0.6, 0.6}}};
+  const std::vector<ShownObject> objects = {{bumpy_mesh(300'000), {0.6, 0.6, 0.6}}};
   const ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
   auto view = open_or_fail(settings, objects);
   ASSERT_TRUE(view);
@@ -87,7 +87,7 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   while (!view->refine() && parts < 100) ++parts;
   EXPECT_GT(parts, 3) << "in parts, not at once";
   view->draw();
-  const Picture rest = view->read_picture();
+  const Picture at_rest = view->read_picture();
   EXPECT_FALSE(view->refine()) << "there is no more to show";
 
   // The same mesh without levels of detail: in pieces that are too small to get any.
@@ -105,21 +105,21 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   ASSERT_TRUE(whole);
   whole->set_scene_pose(dials.compute_pose(Vec3::Zero()));
   whole->draw();
-  const Picture truth = whole->read_picture();
-  EXPECT_LT(share_differing(rest, truth, 3), 0.002);
-  EXPECT_GT(share_differing(moving, truth, 3), 0.02) << "the test is about something";
-  EXPECT_LT(share_differing(moving, truth, 60), 0.02) << "and a level looks like the mesh";
+  const Picture reference = whole->read_picture();
+  EXPECT_LT(share_differing(at_rest, reference, 3), 0.002);
+  EXPECT_GT(share_differing(moving, reference, 3), 0.02) << "otherwise this test checks nothing";
+  EXPECT_LT(share_differing(moving, reference, 60), 0.02) << "and a level looks like the mesh";
 }
 
 // The graphics driver keeps each level for only one window.
-TEST(SceneLayers, LevelsThatAreReadyWhileAnotherWindowIsDrawnAreThoseOfTheirOwn) {
-  const std::vector<ShownObject> objects = {{bumpy(50'000), {0.6, 0.6, 0.6}}};
+TEST(SceneLayers, LevelsThatBecomeReadyWhileAnotherWindowDrawsBelongToTheirOwnWindow) {
+  const std::vector<ShownObject> objects = {{bumpy_mesh(50'000), {0.6, 0.6, 0.6}}};
   const ViewSettings settings = lit_settings(StereoMode::mono, 240, 240);
   auto alone = open_or_fail(settings, objects);
   ASSERT_TRUE(alone);
   wait_for_levels(*alone);
   alone->draw();
-  const Picture truth = alone->read_picture();
+  const Picture reference = alone->read_picture();
   auto view = open_or_fail(settings, objects);
   ASSERT_TRUE(view);
   wait_for_levels(*view);
@@ -128,23 +128,23 @@ TEST(SceneLayers, LevelsThatAreReadyWhileAnotherWindowIsDrawnAreThoseOfTheirOwn)
   other->draw();
   ASSERT_TRUE(view->refine());
   view->draw();
-  EXPECT_LT(share_differing(view->read_picture(), truth, 3), 0.002);
+  EXPECT_LT(share_differing(view->read_picture(), reference, 3), 0.002);
 }
 
 TEST(SceneLayers, AScreenshotIsInFullDetail) {
-  auto view = open_or_fail(lit_settings(StereoMode::mono, 240, 240), {{bumpy(300'000), {0.6, 0.6, 0.6}}});
+  auto view = open_or_fail(lit_settings(StereoMode::mono, 240, 240), {{bumpy_mesh(300'000), {0.6, 0.6, 0.6}}});
   ASSERT_TRUE(view);
   wait_for_levels(*view);
   view->draw();
-  const auto drawn = view->scenes_drawn();
+  const auto drawn_before = view->scenes_drawn();
   const auto file = std::filesystem::temp_directory_path() / ("hapton_layers_" + std::to_string(getpid()) + ".png");
   ASSERT_TRUE(view->save_png(file));
   std::filesystem::remove(file);
-  EXPECT_GT(view->scenes_drawn(), drawn);
+  EXPECT_GT(view->scenes_drawn(), drawn_before);
   view->draw();
   int parts = 0;
   while (!view->refine() && parts < 100) ++parts;
-  EXPECT_LT(parts, 100) << "and the window's own picture is looked after again";
+  EXPECT_LT(parts, 100) << "and the window's own picture is refined again";
 }
 
 // Saves a screenshot of the view, and returns it as a picture with rows from the bottom, like read_picture().
@@ -175,23 +175,23 @@ TEST(SceneLayers, AScreenshotHasSmoothEdges) {
   ASSERT_TRUE(view);
   view->draw();
   const Picture window = view->read_picture();
-  const Picture kept = screenshot_of(*view);
-  ASSERT_EQ(kept.rgb.size(), window.rgb.size());
-  const double differing = share_differing(kept, window, 3);
+  const Picture screenshot = screenshot_of(*view);
+  ASSERT_EQ(screenshot.rgb.size(), window.rgb.size());
+  const double differing = share_differing(screenshot, window, 3);
   EXPECT_GT(differing, 0.001) << "along the edge";
   EXPECT_LT(differing, 0.05) << "and nowhere else";
 }
 
 // The window's first frame shows only some of the triangles, with holes in place of the others.
 TEST(SceneLayers, AScreenshotOfALargeMeshIsInFullDetailFromTheFirstFrameOn) {
-  const std::vector<ShownObject> objects = {{bumpy(1'000'000), {0.6, 0.6, 0.6}}};
+  const std::vector<ShownObject> objects = {{bumpy_mesh(1'000'000), {0.6, 0.6, 0.6}}};
   ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
   settings.depth_cues = false;  // the shadow is cast by a coarse level, so only after that is made
   auto early = open_or_fail(settings, objects);
   ASSERT_TRUE(early);
   early->draw();
   const Picture preview = early->read_picture();
-  EXPECT_LT(early->paint_count().triangles, 300'000U) << "the test is about something";
+  EXPECT_LT(early->paint_count().triangles, 300'000U) << "otherwise this test checks nothing";
   const Picture at_once = screenshot_of(*early);
   wait_for_levels(*early);
   early->draw();

@@ -26,7 +26,7 @@ struct SceneReloadTest : testing::Test {
     // Two writes within one clock step of the file system would look like one.
     std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
   }
-  static std::string log_of_two_looks(SceneReload& reload) {
+  static std::string log_of_two_polls(SceneReload& reload) {
     return log_of([&] {
       reload.poll();
       reload.poll();
@@ -40,10 +40,10 @@ struct SceneReloadTest : testing::Test {
 
 TEST_F(SceneReloadTest, ASavedFileIsReadOnce) {
   SceneReload reload(file, {});
-  EXPECT_EQ(log_of_two_looks(reload), "");
+  EXPECT_EQ(log_of_two_polls(reload), "");
   EXPECT_FALSE(reload.take());
   write("color = [0, 1, 0]");
-  EXPECT_EQ(log_of_two_looks(reload), "");
+  EXPECT_EQ(log_of_two_polls(reload), "");
   const auto scene = reload.take();
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->objects.at(0).colour, (std::array<double, 3>{0, 1, 0}));
@@ -51,7 +51,7 @@ TEST_F(SceneReloadTest, ASavedFileIsReadOnce) {
 }
 
 // Only after the reading does the picture warn that the haptics node has another scene.
-TEST_F(SceneReloadTest, IsReadingFromTheFirstLookThatSeesTheChangeOn) {
+TEST_F(SceneReloadTest, IsReadingFromTheFirstPollThatFindsTheChange) {
   SceneReload reload(file, {});
   reload.poll();
   EXPECT_FALSE(reload.is_reading());
@@ -65,45 +65,45 @@ TEST_F(SceneReloadTest, IsReadingFromTheFirstLookThatSeesTheChangeOn) {
   write("color = [0, 0, 1]");
   reload.poll();
   std::filesystem::remove(file);
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_FALSE(reload.is_reading()) << "it is gone";
 }
 
 TEST_F(SceneReloadTest, AnErrorIsOneLineAndNoScene) {
   SceneReload reload(file, {});
   write("colr = [0, 1, 0]");
-  const std::string log = log_of_two_looks(reload);
+  const std::string log = log_of_two_polls(reload);
   EXPECT_THAT(log, HasSubstr("unknown key 'colr'"));
   EXPECT_THAT(log, HasSubstr("; the present picture stays"));
   EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
   EXPECT_FALSE(reload.take());
-  EXPECT_EQ(log_of_two_looks(reload), "") << "one line, not one a look";
+  EXPECT_EQ(log_of_two_polls(reload), "") << "one line, not one for each poll";
   std::filesystem::remove(file);
-  EXPECT_THAT(log_of_two_looks(reload), HasSubstr("a.toml is gone; the present picture stays"));
+  EXPECT_THAT(log_of_two_polls(reload), HasSubstr("a.toml is gone; the present picture stays"));
 }
 
 TEST_F(SceneReloadTest, TheProblemIsKnownUntilTheFileIsRight) {
   SceneReload reload(file, {});
   EXPECT_EQ(reload.problem(), "");
   write("colr = [0, 1, 0]");
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_THAT(reload.problem(), testing::StartsWith("a.toml:"));
   EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'"));
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'"));
   std::filesystem::rename(file, folder.path() / "b.toml");
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_EQ(reload.problem(), "a.toml is gone");
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_EQ(reload.problem(), "a.toml is gone");
   std::filesystem::rename(folder.path() / "b.toml", file);
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'")) << "the same file is back";
   write("zzz = 1");
-  EXPECT_THAT(log_of_two_looks(reload), HasSubstr("known are"));
+  EXPECT_THAT(log_of_two_polls(reload), HasSubstr("known are"));
   EXPECT_THAT(reload.problem(), testing::EndsWith("unknown key 'zzz' in [[object]] 1")) << "the log has the rest";
   write("color = [0, 1, 0]");
-  (void)log_of_two_looks(reload);
+  (void)log_of_two_polls(reload);
   EXPECT_EQ(reload.problem(), "");
 }
 
@@ -131,16 +131,16 @@ TEST_F(SceneReloadTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
 }
 
 // The destructor does not wait for the next poll either.
-TEST_F(SceneReloadTest, ItsEndDoesNotWaitForTheNextLook) {
+TEST_F(SceneReloadTest, ItsEndDoesNotWaitForTheNextPoll) {
   const auto begin = std::chrono::steady_clock::now();
   for (int n = 0; n < 20; ++n) {
     SceneReload reload(file, {});
     reload.start();
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5)) << "a look is every half second";
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5)) << "it polls every half second";
 }
 
-TEST_F(SceneReloadTest, LooksByItself) {
+TEST_F(SceneReloadTest, PollsByItself) {
   SceneReload reload(file, {});
   reload.start();
   write("color = [0, 0, 1]");

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kScreenWidthPx = 640, kScreenHeightPx = 400;
 constexpr double kScreenIpd = 0.063;
-const Vec3 kBefore_W(0.02, 0.01, 0.03), kBeside_W(-0.03, 0.0, -0.02);
+const Vec3 kInFront_W(0.02, 0.01, 0.03), kBeside_W(-0.03, 0.0, -0.02);
 
 struct DrawnScreen {
   std::string name;
@@ -63,7 +63,7 @@ void expect_drawn(const Picture& picture, const DrawnScreen& drawn, Eye eye, con
 
 TEST(ScreenStereo, AMarkerIsDrawnWhereItIsSeenThroughTheScreen) {
   for (const DrawnScreen& drawn : drawn_screens()) {
-    for (const Vec3& p_W : {kBefore_W, kBeside_W}) {
+    for (const Vec3& p_W : {kInFront_W, kBeside_W}) {
       const std::vector<ShownObject> marker = {{make_marker(p_W, 0.003), Vec3(1, 1, 1)}};
       auto mono = open_or_fail(settings_for(drawn, StereoMode::mono), marker);
       ASSERT_TRUE(mono);
@@ -82,13 +82,13 @@ TEST(ScreenStereo, AMarkerIsDrawnWhereItIsSeenThroughTheScreen) {
 // The mouse leads the hand to the point that is seen under its pixel.
 TEST(ScreenStereo, ThePointUnderAPixelIsTheMarkers) {
   for (const DrawnScreen& drawn : drawn_screens()) {
-    auto view = open_or_fail(settings_for(drawn, StereoMode::mono), {{make_marker(kBefore_W, 0.01), Vec3(1, 1, 1)}});
+    auto view = open_or_fail(settings_for(drawn, StereoMode::mono), {{make_marker(kInFront_W, 0.01), Vec3(1, 1, 1)}});
     ASSERT_TRUE(view);
     view->draw();
-    const Vec2 at = expected_pixel(drawn, Eye::centre, kBefore_W);
+    const Vec2 at = expected_pixel(drawn, Eye::centre, kInFront_W);
     const auto p_W = view->pick(static_cast<int>(at.x()), static_cast<int>(at.y()));
     ASSERT_TRUE(p_W) << drawn.name;
-    EXPECT_NEAR((*p_W - kBefore_W).norm(), 0.01, 5e-4) << drawn.name;
+    EXPECT_NEAR((*p_W - kInFront_W).norm(), 0.01, 5e-4) << drawn.name;
   }
 }
 

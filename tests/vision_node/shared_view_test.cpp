@@ -21,7 +21,7 @@ TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
   take_all<ViewTransform>(step, kMs);
   WindowEvent event;
   event.key = 'x';
-  step.handle(event, where_);
+  step.handle(event, screen_);
   sent = take_all<ViewTransform>(step, 2 * kMs);
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(2 * kMs).X_WS));
@@ -51,7 +51,7 @@ TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   VisionStep step(settings());
   step.note_join();
   step.receive(state_at(0.0, 1, 41));
-  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "there is one, and it was lost";
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "the hub has a view, but its message was lost";
   EXPECT_TRUE(take_all<ViewTransform>(step, 250 * kMs).empty());
   step.receive(view_of(41, Vec3(0, 80, -15)));
   EXPECT_TRUE(take_all<ViewTransform>(step, 300 * kMs).empty());
@@ -64,7 +64,7 @@ TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
   EXPECT_EQ(take_all<ViewTransform>(old, 1000 * kMs).size(), 1u);
 }
 
-// Hub and haptics node were restarted, and a program has set the pose since.
+// The hub and the haptics node were restarted, and a program has set the pose since.
 TEST_F(VisionStepTest, AfterARestartTheHubsViewCountsWhateverItsNumber) {
   VisionStep step(settings());
   step.note_join();
@@ -117,7 +117,7 @@ TEST_F(VisionStepTest, ShowsASceneThatAProgramHasMoved) {
   EXPECT_LT((from_twelve_floats(sent[0].X_WS).translation() - from_twelve_floats(moved.X_WS).translation()).norm(), 0.01) << "from there";
 }
 
-TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
+TEST_F(VisionStepTest, DialsOfTheOptionsGoToTheHub) {
   VisionStepSettings turned = settings();
   turned.dials.turn(1, 30.0);
   VisionStep step(turned);
@@ -144,7 +144,7 @@ TEST_F(VisionStepTest, AfterEachJoinItWaitsAnewForTheViewThatTheHubHas) {
   step.note_join();
   EXPECT_TRUE(take_all<ViewTransform>(step, 2000 * kMs).empty());
   step.receive(state_at(0.0, 1, 3));
-  EXPECT_TRUE(take_all<ViewTransform>(step, 2001 * kMs).empty()) << "there is a view, and it was lost";
+  EXPECT_TRUE(take_all<ViewTransform>(step, 2001 * kMs).empty()) << "the hub has a view, but its message was lost";
   EXPECT_TRUE(take_all<ViewTransform>(step, 2500 * kMs).empty());
   step.receive(view_of(3, Vec3(0, 80, -15)));
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15)) << "though its own number was larger";

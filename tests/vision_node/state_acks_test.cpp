@@ -9,7 +9,7 @@ namespace {
 
 using Kind = StateAcks::Kind;
 
-TEST(StateAcks, TheFirstFrameWithAStateTellsOfIt) {
+TEST(StateAcks, TheFirstFrameWithAStateAcknowledgesIt) {
   StateAcks acks;
   EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
   EXPECT_EQ(acks.note(5 * kMs, 25 * kMs), Kind::none);
@@ -18,7 +18,7 @@ TEST(StateAcks, TheFirstFrameWithAStateTellsOfIt) {
 }
 
 // An acknowledgement may be lost.
-TEST(StateAcks, AFrameLongAfterTellsAgainAndNotEachOne) {
+TEST(StateAcks, LaterFramesAcknowledgeItAgainButNotEach) {
   StateAcks acks;
   EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
   int again = 0;
@@ -27,7 +27,7 @@ TEST(StateAcks, AFrameLongAfterTellsAgainAndNotEachOne) {
     ASSERT_NE(kind, Kind::first) << n;
     again += kind == Kind::repeat ? 1 : 0;
   }
-  EXPECT_EQ(again, 30) << "each second frame of 60 Hz";
+  EXPECT_EQ(again, 30) << "every second frame at 60 Hz";
 }
 
 }  // namespace

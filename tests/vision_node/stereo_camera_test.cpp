@@ -56,11 +56,12 @@ TEST(StereoCamera, CornersOfTheScreenAreCornersOfBothPictures) {
 TEST(StereoCamera, MatricesAgreeWithTheRayThroughTheScreen) {
   constexpr std::uint64_t kSeed = 7;
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> within(-0.15, 0.15);
+  std::uniform_real_distribution<double> coordinate(-0.15, 0.15);
   const StereoScreen screen = compute_screen(tilted(), kSize);
   for (int i = 0; i < 1000; ++i) {
-    const Vec3 p_V(within(random), within(random), within(random));
+    const Vec3 p_V(coordinate(random), coordinate(random), coordinate(random));
     for (const Eye eye : {Eye::left, Eye::right}) {
+      // The eye: half of the distance between the pupils from the middle, which tilted() sets to 0.063 m.
       const Vec3 e(eye == Eye::left ? -0.0315 : 0.0315, 0.0, screen.distance_m);
       const double share = e.z() / (e.z() - p_V.z());
       const Vec3 hit = e + share * (p_V - e);
@@ -188,7 +189,7 @@ std::vector<Head> some_heads() {
 TEST(StereoCamera, AHeadAnywhereSeesThroughTheSameScreen) {
   constexpr std::uint64_t kSeed = 23;
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> within(-0.13, 0.13);
+  std::uniform_real_distribution<double> coordinate(-0.13, 0.13);
   for (const double screen_width_m : {0.0, 0.3, 1.1}) {
     for (const Head& head : some_heads()) {
       Framing framing = tilted();
@@ -202,7 +203,7 @@ TEST(StereoCamera, AHeadAnywhereSeesThroughTheSameScreen) {
         EXPECT_LT((compute_eye_position(screen, eye) - screen.X_WV * e).norm(), 1e-12);
         EXPECT_NEAR(compute_eye_depths(screen, eye).eye_m, e.z(), 1e-12);
         for (int i = 0; i < 100; ++i) {
-          const Vec3 p_V(within(random), within(random), std::min(within(random), 0.7 * e.z()));
+          const Vec3 p_V(coordinate(random), coordinate(random), std::min(coordinate(random), 0.7 * e.z()));
           const Vec3 hit = e + e.z() / (e.z() - p_V.z()) * (p_V - e);
           const Vec2 expected((hit.x() / screen.width_m + 0.5) * kSize.width_px, (hit.y() / screen.height_m + 0.5) * kSize.height_px);
           const Vec3 p_W = screen.X_WV * p_V;
@@ -223,8 +224,8 @@ TEST(StereoCamera, EachEyesDepthsEndAtTheSamePlanes) {
       const auto [eye_m, near_m, far_m] = compute_eye_depths(screen, eye);
       EXPECT_GT(near_m, 0.0);
       EXPECT_NEAR(eye_m - far_m, -framing.depth_m, 1e-12) << "everything behind the screen";
-      const double before_m = std::min(framing.depth_m, 0.95 * std::min(eye_m, screen.distance_m));
-      EXPECT_GT(eye_m - near_m, before_m - 1e-12) << "and before it, but for what is at the eyes";
+      const double in_front_m = std::min(framing.depth_m, 0.95 * std::min(eye_m, screen.distance_m));
+      EXPECT_GT(eye_m - near_m, in_front_m - 1e-12) << "and in front of it, except at the eyes";
       const Mat4 P = compute_projection_matrix(screen, eye);
       for (const auto& [depth, ndc] : {std::pair(near_m, -1.0), std::pair(far_m, 1.0)}) {
         const Eigen::Vector4d clip = P * Eigen::Vector4d(0.01, 0.02, -depth, 1.0);
@@ -245,7 +246,7 @@ TEST(StereoCamera, WithoutAHeadNothingChanges) {
 }
 
 // A model of half the size on a screen of half the size, seen by a viewer of half the size, is the same picture.
-TEST(StereoCamera, AKnownScreenMakesTheViewerAsLargeAsThePicture) {
+TEST(StereoCamera, AKnownScreenScalesTheViewerLikeThePicture) {
   Framing framing = frame_sphere(Vec3::Zero(), 0.1, 0.06);
   framing.head = {{0.05, -0.02, 0.5}, Quat(Eigen::AngleAxisd(0.2, Vec3::UnitZ()))};
   framing.screen_width_m = 0.4;

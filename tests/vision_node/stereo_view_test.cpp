@@ -19,9 +19,9 @@ const Vec3 kGreen(0, 1, 0);
 const Vec3 kBlue(0, 0, 1);
 const Vec3 kWhite(1, 1, 1);
 
-bool same(const std::uint8_t* a, const std::uint8_t* b) { return std::equal(a, a + 3, b); }
+bool is_same_pixel(const std::uint8_t* a, const std::uint8_t* b) { return std::equal(a, a + 3, b); }
 
-bool empty(const Picture& picture) {
+bool is_all_black(const Picture& picture) {
   return std::all_of(picture.rgb.begin(), picture.rgb.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
@@ -38,7 +38,7 @@ std::vector<ShownObject> three_markers() {
           {make_marker({0.01, 0.0, 0.0}, kMarkerRadius), kGreen},
           {make_marker({0.05, -0.05, -0.09}, kMarkerRadius), kBlue}};
 }
-const Vec3 kMarkers[3] = {{-0.05, 0.04, 0.08}, {0.01, 0.0, 0.0}, {0.05, -0.05, -0.09}};
+const Vec3 kMarkerCentres[3] = {{-0.05, 0.04, 0.08}, {0.01, 0.0, 0.0}, {0.05, -0.05, -0.09}};
 
 TEST(StereoView, SideBySideShowsEachMarkerWhereTheoryPutsItInEachEye) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), three_markers());
@@ -51,11 +51,11 @@ TEST(StereoView, SideBySideShowsEachMarkerWhereTheoryPutsItInEachEye) {
     const auto left = centroid(picture, channel, 0, 640);
     const auto right = centroid(picture, channel, 640, 1280);
     ASSERT_TRUE(left && right);
-    const Vec2 left_theory = project_to_pixel(screen, Eye::left, {640, 720}, kMarkers[channel]);
-    const Vec2 right_theory = project_to_pixel(screen, Eye::right, {640, 720}, kMarkers[channel]);
+    const Vec2 left_theory = project_to_pixel(screen, Eye::left, {640, 720}, kMarkerCentres[channel]);
+    const Vec2 right_theory = project_to_pixel(screen, Eye::right, {640, 720}, kMarkerCentres[channel]);
     EXPECT_LT((*left - left_theory).norm(), 0.6) << "channel " << channel;
     EXPECT_LT((*right - right_theory).norm(), 0.6) << "channel " << channel;
-    const double disparity_px = compute_disparity_m(screen, kMarkers[channel].z()) * 640 / screen.width_m;
+    const double disparity_px = compute_disparity_m(screen, kMarkerCentres[channel].z()) * 640 / screen.width_m;
     EXPECT_NEAR(right->x() - left->x(), disparity_px, 0.6) << "channel " << channel;
     EXPECT_NEAR(right->y() - left->y(), 0.0, 0.6);
   }
@@ -65,7 +65,7 @@ TEST(StereoView, SideBySideShowsEachMarkerWhereTheoryPutsItInEachEye) {
   EXPECT_GT(compute_disparity_m(screen, -0.09) * 640 / screen.width_m, 15.0);
 }
 
-// The rows from `from` to before `to` of a picture, with all columns.
+// The rows [from, to) of a picture, with all columns.
 Picture rows_of(const Picture& picture, int from, int to) {
   const std::size_t row = 3 * static_cast<std::size_t>(picture.size.width_px);
   return {{picture.size.width_px, to - from}, {picture.rgb.begin() + from * row, picture.rgb.begin() + to * row}};
@@ -83,8 +83,8 @@ TEST(StereoView, TopBottomShowsEachMarkerWhereTheoryPutsItAtHalfTheHeight) {
     const auto below = centroid(rows_of(picture, 0, 360), channel, 0, 1280);
     ASSERT_TRUE(above && below);
     const Vec2 half(1.0, 0.5);
-    EXPECT_LT((*above - project_to_pixel(screen, Eye::left, {1280, 720}, kMarkers[channel]).cwiseProduct(half)).norm(), 0.6);
-    EXPECT_LT((*below - project_to_pixel(screen, Eye::right, {1280, 720}, kMarkers[channel]).cwiseProduct(half)).norm(), 0.6);
+    EXPECT_LT((*above - project_to_pixel(screen, Eye::left, {1280, 720}, kMarkerCentres[channel]).cwiseProduct(half)).norm(), 0.6);
+    EXPECT_LT((*below - project_to_pixel(screen, Eye::right, {1280, 720}, kMarkerCentres[channel]).cwiseProduct(half)).norm(), 0.6);
   }
 }
 
@@ -111,10 +111,11 @@ TEST(StereoView, LeftAndRightModesAreTheHalvesOfSideBySide) {
   const Picture right = picture_of(StereoMode::right, 640, 720, three_markers());
   int differing = 0;
   for (int y = 0; y < 720; ++y) {
-    for (int x = 0; x < 640; ++x) differing += !same(both.at(x, y), left.at(x, y)) + !same(both.at(x + 640, y), right.at(x, y));
+    for (int x = 0; x < 640; ++x)
+      differing += !is_same_pixel(both.at(x, y), left.at(x, y)) + !is_same_pixel(both.at(x + 640, y), right.at(x, y));
   }
   EXPECT_LE(differing, 20) << "of nearly a million pixels; a viewport's offset may round an edge pixel otherwise";
-  EXPECT_FALSE(empty(left));
+  EXPECT_FALSE(is_all_black(left));
 }
 
 TEST(StereoView, MonoIsSeenFromBetweenTheEyes) {
@@ -123,7 +124,7 @@ TEST(StereoView, MonoIsSeenFromBetweenTheEyes) {
   for (int channel = 0; channel < 3; ++channel) {
     const auto found = centroid(mono, channel, 0, 640);
     ASSERT_TRUE(found);
-    EXPECT_LT((*found - project_to_pixel(screen, Eye::centre, {640, 720}, kMarkers[channel])).norm(), 0.6);
+    EXPECT_LT((*found - project_to_pixel(screen, Eye::centre, {640, 720}, kMarkerCentres[channel])).norm(), 0.6);
   }
 }
 
@@ -139,14 +140,14 @@ void expect_pattern(StereoMode mode, int (*pattern)(int x, int y)) {
       const std::uint8_t* l = left.at(x, y);
       const std::uint8_t* r = right.at(x, y);
       const std::uint8_t* w = woven.at(x, y);
-      if (same(l, r)) {
-        neither += !same(w, l);
+      if (is_same_pixel(l, r)) {
+        neither += !is_same_pixel(w, l);
         continue;
       }
-      const bool first = pattern(x, y) % 2 == 0;
-      if (same(w, first ? l : r))
+      const bool is_even = pattern(x, y) % 2 == 0;
+      if (is_same_pixel(w, is_even ? l : r))
         ++as_is;
-      else if (same(w, first ? r : l))
+      else if (is_same_pixel(w, is_even ? r : l))
         ++swapped;
       else
         ++neither;
@@ -229,7 +230,7 @@ TEST(StereoView, EveryModeDrawsSomethingOrSaysWhyNot) {
       continue;
     }
     (*view)->draw();
-    EXPECT_FALSE(empty((*view)->read_picture())) << name;
+    EXPECT_FALSE(is_all_black((*view)->read_picture())) << name;
     if (mode == StereoMode::openxr) {
       EXPECT_EQ((*view)->mode(), StereoMode::mono) << "there is no headset";
     } else if (mode == StereoMode::automatic) {
@@ -267,13 +268,13 @@ TEST(StereoView, CullingHidesTrianglesSeenFromBehind) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 640, 360), {{back, kWhite}});
   ASSERT_TRUE(view);
   view->draw();
-  EXPECT_TRUE(empty(view->read_picture()));
+  EXPECT_TRUE(is_all_black(view->read_picture()));
   view->set_cull(false);
   view->draw();
-  EXPECT_FALSE(empty(view->read_picture()));
+  EXPECT_FALSE(is_all_black(view->read_picture()));
   view->set_cull(true);
   view->draw();
-  EXPECT_TRUE(empty(view->read_picture()));
+  EXPECT_TRUE(is_all_black(view->read_picture()));
 }
 
 TEST(StereoView, FlatShadingGivesATriangleOneColour) {
@@ -311,8 +312,8 @@ TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   int changed = 0, parallax = 0;
   for (int y = 0; y < 720; ++y) {
     for (int x = 0; x < 640; ++x) {
-      changed += !same(with.at(x, y), without.at(x, y));
-      parallax += !same(with.at(x, y), with.at(x + 640, y));
+      changed += !is_same_pixel(with.at(x, y), without.at(x, y));
+      parallax += !is_same_pixel(with.at(x, y), with.at(x + 640, y));
     }
   }
   EXPECT_GT(changed, 500);
@@ -343,7 +344,7 @@ TEST(StereoView, TheForceBarIsInEveryStereoMode) {
       int left = 0, elsewhere = 0;
       for (int y = 0; y < 480; ++y) {
         for (int x = 0; x < 640; ++x) {
-          if (same(with.at(x, y), without.at(x, y))) continue;
+          if (is_same_pixel(with.at(x, y), without.at(x, y))) continue;
           ++(x % 320 < 40 ? left : elsewhere);
         }
       }
@@ -371,13 +372,13 @@ TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {
   view->set_plots({flat, rising});
   view->draw();
   const Picture with = view->read_picture();
-  int changed_left_of_them = 0, parallax = 0;
+  int changed_left_of_plots = 0, parallax = 0;
   std::vector<double> green_y, red_y, blue_x, blue_y;
   for (int y = 0; y < 720; ++y) {
     for (int x = 0; x < 640; ++x) {
       const std::uint8_t* p = with.at(x, y);
-      parallax += !same(p, with.at(x + 640, y));
-      changed_left_of_them += x < 380 && !same(p, without.at(x, y));
+      parallax += !is_same_pixel(p, with.at(x + 640, y));
+      changed_left_of_plots += x < 380 && !is_same_pixel(p, without.at(x, y));
       if (p[1] > p[0] + 80 && p[1] > p[2] + 60) green_y.push_back(y);
       if (p[0] > p[1] + 80 && p[0] > p[2] + 80) red_y.push_back(y);
       if (p[2] > p[0] + 80 && p[1] > p[0] + 50) {
@@ -387,10 +388,11 @@ TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {
     }
   }
   EXPECT_EQ(parallax, 0);
-  EXPECT_EQ(changed_left_of_them, 0);
+  EXPECT_EQ(changed_left_of_plots, 0);
   ASSERT_TRUE(green_y.size() > 150 && red_y.size() > 150 && blue_x.size() > 150);
   const auto [low_green, high_green] = std::minmax_element(green_y.begin(), green_y.end());
   EXPECT_LE(*high_green - *low_green, 3.0) << "a constant is a level line";
+  // A plot is as high as 0.13 of the picture.
   const double limit_above = red_y.front() - green_y.front();
   EXPECT_NEAR(limit_above, 0.5 * 0.13 * 720, 3.0) << "from a quarter of the scale to three quarters";
   const auto [low_blue, high_blue] = std::minmax_element(blue_y.begin(), blue_y.end());
@@ -467,6 +469,7 @@ TEST(StereoView, ScreenshotIsAPngOfTheWindow) {
   std::ifstream in(file, std::ios::binary);
   std::array<unsigned char, 24> head = {};
   in.read(reinterpret_cast<char*>(head.data()), head.size());
+  // In the IHDR chunk the width begins at byte 16 and the height at byte 20, both big-endian.
   EXPECT_EQ(head[1], 'P');
   EXPECT_EQ(head[18] * 256 + head[19], 320);
   EXPECT_EQ(head[22] * 256 + head[23], 180);

@@ -27,7 +27,7 @@ std::vector<Vec3> thin(const std::vector<Vec3>& points, double bound_m) {
   return thinner.points();
 }
 
-double farthest(const std::vector<Vec3>& points, const std::vector<Vec3>& line) {
+double largest_distance(const std::vector<Vec3>& points, const std::vector<Vec3>& line) {
   double most = 0.0;
   for (const Vec3& p : points) most = std::max(most, distance_to_line(p, line));
   return most;
@@ -51,15 +51,15 @@ TEST(StrokeThinner, ACircleIsWithinTheBoundWithFewVertices) {
   }
   for (const double bound_m : {1e-5, 5e-5, 2e-4}) {
     const std::vector<Vec3> line = thin(circle, bound_m);
-    EXPECT_LE(farthest(circle, line), bound_m);
+    EXPECT_LE(largest_distance(circle, line), bound_m);
     // Half of the bound is reserved for points that the thinner ignores, so a chord may deviate by the other half.
-    const double most_angle = 2.0 * std::acos(1.0 - 0.5 * bound_m / kRadius);
-    const double least_vertices = 2.0 * std::numbers::pi / most_angle;
-    EXPECT_LE(static_cast<double>(line.size()), 1.3 * least_vertices + 2.0) << bound_m;
+    const double largest_angle = 2.0 * std::acos(1.0 - 0.5 * bound_m / kRadius);
+    const double fewest_vertices = 2.0 * std::numbers::pi / largest_angle;
+    EXPECT_LE(static_cast<double>(line.size()), 1.3 * fewest_vertices + 2.0) << bound_m;
     // The polyline is inscribed: it is shorter by a share of at most 1 - sin(a/2) / (a/2), chord against arc, and by the gap at its end.
-    const double shortest = std::sin(0.5 * most_angle) / (0.5 * most_angle);
+    const double smallest_share = std::sin(0.5 * largest_angle) / (0.5 * largest_angle);
     EXPECT_LE(length_of(line), 2.0 * std::numbers::pi * kRadius);
-    EXPECT_GE(length_of(line), shortest * 2.0 * std::numbers::pi * kRadius - bound_m);
+    EXPECT_GE(length_of(line), smallest_share * 2.0 * std::numbers::pi * kRadius - bound_m);
     for (const Vec3& vertex : line) EXPECT_NEAR(vertex.head<2>().norm(), kRadius, 1e-15) << "vertices are points that were touched";
   }
 }
@@ -96,13 +96,13 @@ TEST(StrokeThinner, ACornerIsKept) {
   const std::vector<Vec3> line = thin(points, 1e-4);
   ASSERT_EQ(line.size(), 3U);
   EXPECT_LE((line[1] - Vec3(0.1, 0, 0)).norm(), 1e-3) << "within a point of the corner";
-  EXPECT_LE(farthest(points, line), 1e-4);
+  EXPECT_LE(largest_distance(points, line), 1e-4);
 }
 
 // The pen goes out and back on the same line: the far end must not be lost.
 TEST(StrokeThinner, AReversalIsKept) {
   const std::vector<Vec3> points = {{0, 0, 0}, {0.05, 0, 0}, {0.1, 0, 0}, {0.06, 0, 0}, {0.02, 0, 0}};
-  EXPECT_LE(farthest(points, thin(points, 1e-4)), 1e-4);
+  EXPECT_LE(largest_distance(points, thin(points, 1e-4)), 1e-4);
 }
 
 TEST(StrokeThinner, AnyWalkIsWithinTheBound) {
@@ -115,7 +115,7 @@ TEST(StrokeThinner, AnyWalkIsWithinTheBound) {
     std::vector<Vec3> walk = {Vec3::Zero()};
     for (int i = 0; i < 3000; ++i) walk.push_back(walk.back() + size * Vec3(step(random), step(random), step(random)));
     const std::vector<Vec3> line = thin(walk, kBound);
-    EXPECT_LE(farthest(walk, line), kBound);
+    EXPECT_LE(largest_distance(walk, line), kBound);
     EXPECT_EQ(line.front(), walk.front());
   }
 }

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-Vec3 find_by_all(const TriangleMesh& mesh, const Vec3& p) {
+Vec3 find_by_brute_force(const TriangleMesh& mesh, const Vec3& p) {
   ClosestPoint best = closest_point(mesh.corner(0, 0), mesh.corner(0, 1), mesh.corner(0, 2), p);
   for (std::size_t t = 1; t < mesh.triangles.size(); ++t) {
     const ClosestPoint found = closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), p);
@@ -24,14 +24,14 @@ TEST(SurfaceFinder, FindsWhatAllTrianglesTogetherGive) {
   RecordProperty("seed", std::to_string(kSeed));
   TriangleMesh mesh = make_bumpy_sphere(0.05, 0.25, 2'000, 1);
   // Far from the origin, where single precision alone would be too coarse.
-  const Vec3 off(100.0, -20.0, 5.0);
-  for (Vec3& vertex : mesh.vertices) vertex += off;
+  const Vec3 offset(100.0, -20.0, 5.0);
+  for (Vec3& vertex : mesh.vertices) vertex += offset;
   const SurfaceFinder finder(std::make_shared<const TriangleMesh>(mesh));
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> within(-0.1, 0.1);
+  std::uniform_real_distribution<double> coordinate(-0.1, 0.1);
   for (int i = 0; i < 300; ++i) {
-    const Vec3 p = off + Vec3(within(random), within(random), within(random));
-    const Vec3 expected = find_by_all(mesh, p);
+    const Vec3 p = offset + Vec3(coordinate(random), coordinate(random), coordinate(random));
+    const Vec3 expected = find_by_brute_force(mesh, p);
     EXPECT_LE((finder.find_closest(p).point - p).norm(), (expected - p).norm() * (1.0 + 1e-12)) << i;
   }
 }
@@ -42,14 +42,14 @@ TEST(SurfaceFinder, FindsTheSameWithTheVerticesElsewhere) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 2'000, 1));
   const SurfaceFinder finder(mesh);
   std::mt19937_64 random(kSeed);
-  std::uniform_real_distribution<double> within(-0.1, 0.1);
+  std::uniform_real_distribution<double> coordinate(-0.1, 0.1);
   for (const double moved_m : {0.0, 0.003, 0.03}) {
     TriangleMesh moved = *mesh;
-    for (Vec3& vertex : moved.vertices) vertex += moved_m * Vec3(within(random), within(random), within(random)).normalized();
+    for (Vec3& vertex : moved.vertices) vertex += moved_m * Vec3(coordinate(random), coordinate(random), coordinate(random)).normalized();
     for (int i = 0; i < 100; ++i) {
-      const Vec3 p(within(random), within(random), within(random));
+      const Vec3 p(coordinate(random), coordinate(random), coordinate(random));
       const SurfaceFinder::SurfacePoint found = finder.find_closest(p, moved.vertices, moved_m);
-      EXPECT_LE((found.point - p).norm(), (find_by_all(moved, p) - p).norm() * (1.0 + 1e-12)) << i;
+      EXPECT_LE((found.point - p).norm(), (find_by_brute_force(moved, p) - p).norm() * (1.0 + 1e-12)) << i;
       Vec3 mixed = Vec3::Zero();
       for (int k = 0; k < 3; ++k) mixed += found.barycentric[k] * moved.corner(found.triangle, k);
       EXPECT_LE((mixed - found.point).norm(), 1e-15);

@@ -17,7 +17,7 @@ TEST(TeachChoice, IsReadFromTheCommandLine) {
   }
 }
 
-TEST(TeachChoice, KeysGoThroughAllOfThem) {
+TEST(TeachChoice, KeysStepThroughAllViewsAndLevels) {
   TeachChoice choice;
   std::string names;
   do {

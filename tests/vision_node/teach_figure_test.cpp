@@ -42,9 +42,9 @@ TEST(TeachFigure, DrawsItsLinesAndTrianglesInTheirColours) {
   }
   EXPECT_NE(parts.solid(0)->GetVisibility(), 0);
   EXPECT_NE(parts.solid(1)->GetVisibility(), 0);
-  TeachShapes some = shapes;
-  some.lines.clear();
-  figure.set(some);
+  TeachShapes without_lines = shapes;
+  without_lines.lines.clear();
+  figure.set(without_lines);
   EXPECT_EQ(parts.solid(1)->GetVisibility(), 0);
   EXPECT_NE(parts.solid(0)->GetVisibility(), 0);
   figure.hide();

@@ -16,11 +16,11 @@
 namespace hapton {
 namespace {
 
-TouchScene teach_scene(int bands = 24) { return {.objects = {{made::shared(made::sphere(0.05, bands)), {}}}}; }
+TouchScene make_sphere_scene(int bands = 24) { return {.objects = {{made::shared(made::sphere(0.05, bands)), {}}}}; }
 
-SmoothScene teach_smooth(const TouchScene& scene) { return *SmoothScene::build(scene, {}); }
+SmoothScene make_smooth_scene(const TouchScene& scene) { return *SmoothScene::build(scene, {}); }
 
-TeachProbe teach_probe() {
+TeachProbe make_touching_probe() {
   TeachProbe probe;
   const Vec3 outward = Vec3(1.0, 2.0, 3.0).normalized();
   probe.p_SP = 0.05 * outward;
@@ -31,9 +31,9 @@ TeachProbe teach_probe() {
 }
 
 TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  TeachProbe probe = teach_probe();
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  TeachProbe probe = make_touching_probe();
   // The point is on a triangle, where a proxy in contact is.
   const TriangleMesh& mesh = *scene.objects[0].mesh;
   const std::size_t t = mesh.triangles.size() / 2;
@@ -51,16 +51,16 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
 
 // A square in the triangle's plane, its side 6 % of the scene's diagonal; a normal half as long; a line from proxy to device point.
 TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  TeachProbe probe = teach_probe();
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  TeachProbe probe = make_touching_probe();
   const TriangleMesh& mesh = *scene.objects[0].mesh;
   const std::size_t t = mesh.triangles.size() / 2;
   probe.p_SP = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
-  const Vec3 face = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
-  probe.p_SD = probe.p_SP - 0.002 * face;
+  const Vec3 face_normal = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
+  probe.p_SD = probe.p_SP - 0.002 * face_normal;
   for (const double sign : {1.0, -1.0}) {
-    probe.force_S_n = sign * face;
+    probe.force_S_n = sign * face_normal;
     const TeachShapes shapes = make_contact_shapes(smooth, probe);
     ASSERT_EQ(shapes.lines.size(), 9U);
     EXPECT_EQ(shapes.caption, "contact: 1 triangle, 1 plane, penetration 2.00 mm");
@@ -68,43 +68,43 @@ TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
     for (std::size_t k = 3; k < 7; ++k) {
       EXPECT_NEAR((shapes.lines[k].to - shapes.lines[k].from).norm(), 2.0 * size, 1e-9) << k;
       EXPECT_NEAR((shapes.lines[k].from - probe.p_SP).norm(), std::sqrt(2.0) * size, 1e-6) << k;
-      EXPECT_NEAR((shapes.lines[k].from - probe.p_SP).dot(face), 0.0, 1e-6) << k;
+      EXPECT_NEAR((shapes.lines[k].from - probe.p_SP).dot(face_normal), 0.0, 1e-6) << k;
     }
-    EXPECT_LT((shapes.lines[7].to - shapes.lines[7].from - sign * size * face).norm(), 1e-6) << "where the force goes";
+    EXPECT_LT((shapes.lines[7].to - shapes.lines[7].from - sign * size * face_normal).norm(), 1e-6) << "where the force goes";
     EXPECT_EQ(shapes.lines[8].from, probe.p_SP);
     EXPECT_EQ(shapes.lines[8].to, probe.p_SD);
   }
   // Without a force, the normal points to the side of the proxy, as seen from the device point.
   probe.force_S_n.setZero();
-  EXPECT_GT((make_contact_shapes(smooth, probe).lines[7].to - probe.p_SP).dot(face), 0.0);
+  EXPECT_GT((make_contact_shapes(smooth, probe).lines[7].to - probe.p_SP).dot(face_normal), 0.0);
   probe.is_contact = false;
   EXPECT_EQ(make_contact_shapes(smooth, probe).caption, "contact: none");
 }
 
 // A sphere probe is in contact with all triangles within its radius.
 TEST(TeachShapes, ABallIsInContactByItsRadius) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  TeachProbe probe = teach_probe();
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  TeachProbe probe = make_touching_probe();
   probe.p_SP = 0.06 * Vec3(1.0, 2.0, 3.0).normalized();
   for (const double radius_m : {0.0, 0.0095, 0.0105, 0.012}) {
     probe.radius_m = radius_m;
-    const double within = radius_m + 2e-4 * smooth.diagonal();
-    std::size_t wanted = 0;
+    const double contact_distance_m = radius_m + 2e-4 * smooth.diagonal();
+    std::size_t expected = 0;
     const TriangleMesh& mesh = *scene.objects[0].mesh;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      wanted += closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), probe.p_SP).distance <= within ? 1 : 0;
+      expected += closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), probe.p_SP).distance <= contact_distance_m ? 1 : 0;
     }
-    EXPECT_EQ(make_contact_shapes(smooth, probe).triangles.size(), wanted) << radius_m;
-    EXPECT_EQ(wanted > 0, radius_m > 0.01) << radius_m;
+    EXPECT_EQ(make_contact_shapes(smooth, probe).triangles.size(), expected) << radius_m;
+    EXPECT_EQ(expected > 0, radius_m > 0.01) << radius_m;
   }
 }
 
 // By brute force: at most 20 triangles are nearer than the farthest one shown, and within the distance in the caption none is left out.
 TEST(TeachShapes, TheLocalSetIsTheNearest) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  TeachProbe probe = teach_probe();
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  TeachProbe probe = make_touching_probe();
   probe.set_size = 20;
   const TeachShapes shapes = make_local_set_shapes(smooth, probe);
   EXPECT_EQ(shapes.triangles.size(), 20U);
@@ -127,10 +127,10 @@ TEST(TeachShapes, TheLocalSetIsTheNearest) {
 }
 
 // The hulls of the first level together enclose the whole scene; a hull that contains the probe is white.
-TEST(TeachShapes, TheHullsOfTheFirstLevelAreAroundTheScene) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  TeachProbe probe = teach_probe();
+TEST(TeachShapes, TheHullsOfTheFirstLevelEncloseTheScene) {
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  TeachProbe probe = make_touching_probe();
   for (const auto& [at, colour] : {std::pair(Vec3(0.0, 0.0, 0.0), TeachColour{255, 255, 255}),
                                    {Vec3(0.0, 0.0, 0.051), TeachColour{255, 200, 90}},
                                    {Vec3(0.0, -0.051, 0.0), TeachColour{255, 200, 90}}}) {
@@ -148,10 +148,10 @@ TEST(TeachShapes, TheHullsOfTheFirstLevelAreAroundTheScene) {
 }
 
 TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
-  const TouchScene scene = teach_scene();
-  const SmoothScene smooth = teach_smooth(scene);
-  const std::size_t count = smooth.surface(0).mesh.triangles.size();
-  std::size_t before = 0;
+  const TouchScene scene = make_sphere_scene();
+  const SmoothScene smooth = make_smooth_scene(scene);
+  const std::size_t triangle_count = smooth.surface(0).mesh.triangles.size();
+  std::size_t hulls_of_previous_level = 0;
   for (int level = 0; level < smooth.tree_stats().depth; ++level) {
     std::multiset<std::uint32_t> covered;
     std::size_t hulls = 0;
@@ -168,32 +168,32 @@ TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
         }
       }
     });
-    EXPECT_EQ(covered.size(), count) << "level " << level;
-    EXPECT_EQ(std::set<std::uint32_t>(covered.begin(), covered.end()).size(), count) << "each once";
-    EXPECT_GE(hulls, before);
-    before = hulls;
-    const TeachShapes shapes = make_tree_shapes(smooth, teach_probe(), level);
+    EXPECT_EQ(covered.size(), triangle_count) << "level " << level;
+    EXPECT_EQ(std::set<std::uint32_t>(covered.begin(), covered.end()).size(), triangle_count) << "each once";
+    EXPECT_GE(hulls, hulls_of_previous_level);
+    hulls_of_previous_level = hulls;
+    const TeachShapes shapes = make_tree_shapes(smooth, make_touching_probe(), level);
     EXPECT_GE(shapes.lines.size(), 12U * std::min(hulls, kMaxTeachHulls) / 2) << shapes.caption;
   }
-  EXPECT_GT(before, 8U);
+  EXPECT_GT(hulls_of_previous_level, 8U);
 }
 
 TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
-  const TouchScene scene = teach_scene(300);  // 359,000 triangles
-  const SmoothScene smooth = teach_smooth(scene);
-  const TeachShapes shapes = make_tree_shapes(smooth, teach_probe(), TeachChoice::kDeepest);
+  const TouchScene scene = make_sphere_scene(300);  // 359,000 triangles
+  const SmoothScene smooth = make_smooth_scene(scene);
+  const TeachShapes shapes = make_tree_shapes(smooth, make_touching_probe(), TeachChoice::kDeepest);
   EXPECT_LE(shapes.lines.size(), 36U * kMaxTeachHulls);
   EXPECT_NE(shapes.caption.find("the 1000 nearest are drawn"), std::string::npos) << shapes.caption;
-  EXPECT_EQ(make_curvature_shapes(scene, find_curvature(scene), teach_probe()).triangles.size(), kMaxTeachTriangles);
+  EXPECT_EQ(make_curvature_shapes(scene, find_curvature(scene), make_touching_probe()).triangles.size(), kMaxTeachTriangles);
 }
 
 // Every edge belongs to an occupied cell, and each occupied cell has its twelve edges.
 TEST(TeachShapes, CellsAreThoseOfTheGrid) {
-  const TouchScene scene = teach_scene(8);
+  const TouchScene scene = make_sphere_scene(8);
   const UniformGrid grid = *make_teach_grid(scene);
-  TeachProbe far = teach_probe();
-  far.p_SP = Vec3(9.0, 9.0, 9.0);
-  const TeachShapes shapes = make_grid_shapes(grid, far);
+  TeachProbe far_probe = make_touching_probe();
+  far_probe.p_SP = Vec3(9.0, 9.0, 9.0);
+  const TeachShapes shapes = make_grid_shapes(grid, far_probe);
   const Vec3 size = (grid.high() - grid.low()) / kTeachCells;
   using Edge = std::array<int, 4>;  // the corner where it begins, in cells, and its axis
   std::set<Edge> drawn;
@@ -206,24 +206,24 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
         {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(at.z())), axis});
   }
   EXPECT_EQ(drawn.size(), shapes.lines.size()) << "each once";
-  std::set<Edge> wanted;
+  std::set<Edge> expected;
   for (int z = 0; z < kTeachCells; ++z) {
     for (int y = 0; y < kTeachCells; ++y) {
       for (int x = 0; x < kTeachCells; ++x) {
         if (grid.triangles_in(x, y, z).empty()) continue;
         for (int a = 0; a < 2; ++a) {
           for (int b = 0; b < 2; ++b) {
-            wanted.insert({x, y + a, z + b, 0});
-            wanted.insert({x + a, y, z + b, 1});
-            wanted.insert({x + a, y + b, z, 2});
+            expected.insert({x, y + a, z + b, 0});
+            expected.insert({x + a, y, z + b, 1});
+            expected.insert({x + a, y + b, z, 2});
           }
         }
       }
     }
   }
-  EXPECT_EQ(drawn, wanted);
+  EXPECT_EQ(drawn, expected);
   EXPECT_NE(shapes.caption.find(std::to_string(grid.occupancy().occupied_cells) + " of 32768 cells"), std::string::npos) << shapes.caption;
-  const TeachShapes with_cell = make_grid_shapes(grid, teach_probe());
+  const TeachShapes with_cell = make_grid_shapes(grid, make_touching_probe());
   ASSERT_EQ(with_cell.lines.size(), shapes.lines.size() + 12) << "the probe's cell";
   Eigen::AlignedBox3d cell;
   for (std::size_t i = shapes.lines.size(); i < with_cell.lines.size(); ++i) {
@@ -231,19 +231,19 @@ TEST(TeachShapes, CellsAreThoseOfTheGrid) {
     cell.extend(with_cell.lines[i].from).extend(with_cell.lines[i].to);
   }
   EXPECT_LT((cell.sizes() - size).norm(), 1e-9);
-  EXPECT_TRUE(cell.contains(teach_probe().p_SP));
-  const Vec3 number = (cell.min() - grid.low()).cwiseQuotient(size);
-  const auto triangles = grid.triangles_in(static_cast<int>(std::lround(number.x())), static_cast<int>(std::lround(number.y())),
-                                           static_cast<int>(std::lround(number.z())));
+  EXPECT_TRUE(cell.contains(make_touching_probe().p_SP));
+  const Vec3 cell_index = (cell.min() - grid.low()).cwiseQuotient(size);
+  const auto triangles = grid.triangles_in(static_cast<int>(std::lround(cell_index.x())), static_cast<int>(std::lround(cell_index.y())),
+                                           static_cast<int>(std::lround(cell_index.z())));
   EXPECT_NE(with_cell.caption.find("; the probe's cell: " + std::to_string(triangles.size())), std::string::npos) << with_cell.caption;
   EXPECT_EQ(shapes.caption.find("the probe's cell"), std::string::npos);
 }
 
 TEST(TeachShapes, CurvatureOfASphereHasOneColour) {
-  const TouchScene scene = teach_scene(48);
+  const TouchScene scene = make_sphere_scene(48);
   const TeachCurvature curvature = find_curvature(scene);
   EXPECT_NEAR(curvature.limit, 20.0, 0.4) << "1 / 0.05 m";
-  const TeachShapes shapes = make_curvature_shapes(scene, curvature, teach_probe());
+  const TeachShapes shapes = make_curvature_shapes(scene, curvature, make_touching_probe());
   ASSERT_TRUE(shapes.legend);
   for (const TeachTriangle& triangle : shapes.triangles) {
     for (const TeachColour& colour : triangle.colour) ASSERT_GT(colour[0], colour[2] + 100) << "red: convex";
@@ -266,7 +266,7 @@ TEST(TeachShapes, ColoursGoEvenlyFromBlueThroughGreyToRed) {
 // The scale ends at the curvature that 95 of 100 vertices do not exceed: a few sharp vertices do not make all others grey.
 TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
   for (const int sharp_bands : {4, 24}) {
-    TouchScene scene = teach_scene(48);
+    TouchScene scene = make_sphere_scene(48);
     scene.objects.push_back({made::shared(made::sphere(0.005, sharp_bands)), {}});
     const double share = static_cast<double>(scene.objects[1].mesh->vertices.size()) /
                          static_cast<double>(scene.objects[0].mesh->vertices.size() + scene.objects[1].mesh->vertices.size());
@@ -277,15 +277,15 @@ TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
 }
 
 TEST(TeachBuilder, RepliesToTheNewestRequest) {
-  TeachBuilder builder(teach_scene());
-  builder.request({TeachView::grid, 0}, teach_probe());
-  builder.request({TeachView::tree, 1}, teach_probe());
-  std::optional<TeachShapes> made;
-  while (!made || made->choice.view != TeachView::tree) {
+  TeachBuilder builder(make_sphere_scene());
+  builder.request({TeachView::grid, 0}, make_touching_probe());
+  builder.request({TeachView::tree, 1}, make_touching_probe());
+  std::optional<TeachShapes> shapes;
+  while (!shapes || shapes->choice.view != TeachView::tree) {
     std::this_thread::yield();
-    if (auto next = builder.take_shapes()) made = std::move(next);
+    if (auto next = builder.take_shapes()) shapes = std::move(next);
   }
-  EXPECT_EQ(made->choice, (TeachChoice{TeachView::tree, 1}));
+  EXPECT_EQ(shapes->choice, (TeachChoice{TeachView::tree, 1}));
   EXPECT_GT(builder.tree_depth(), 1);
   EXPECT_FALSE(builder.is_busy());
 }
@@ -293,8 +293,8 @@ TEST(TeachBuilder, RepliesToTheNewestRequest) {
 // As soon as is_busy() is false, the requested shapes can be taken.
 TEST(TeachBuilder, IsBusyUntilWhatWasRequestedIsThere) {
   for (int n = 0; n < 20; ++n) {
-    TeachBuilder builder(teach_scene());
-    builder.request({TeachView::grid, 0}, teach_probe());
+    TeachBuilder builder(make_sphere_scene());
+    builder.request({TeachView::grid, 0}, make_touching_probe());
     while (builder.is_busy()) std::this_thread::yield();
     ASSERT_TRUE(builder.take_shapes()) << n;
   }
@@ -303,9 +303,9 @@ TEST(TeachBuilder, IsBusyUntilWhatWasRequestedIsThere) {
 TEST(TeachBuilder, ASceneThatCannotBePreparedSaysWhy) {
   TeachBuilder builder(TouchScene{});
   builder.request({TeachView::grid, 0}, {});
-  std::optional<TeachShapes> made;
-  while (!(made = builder.take_shapes())) std::this_thread::yield();
-  EXPECT_EQ(made->caption.find("grid: "), 0U) << made->caption;
+  std::optional<TeachShapes> shapes;
+  while (!(shapes = builder.take_shapes())) std::this_thread::yield();
+  EXPECT_EQ(shapes->caption.find("grid: "), 0U) << shapes->caption;
 }
 
 }  // namespace

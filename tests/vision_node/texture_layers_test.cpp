@@ -23,11 +23,11 @@ struct TextureLayersTest : testing::Test {
     view = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
     ASSERT_TRUE(view);
   }
-  std::unique_ptr<TextureLayers> make() { return TextureLayers::make(look, notes); }
+  std::unique_ptr<TextureLayers> make() { return TextureLayers::make(appearance, notes); }
   // Adds the image, and a material that uses it.
   void add_image(std::string bytes) {
-    look.materials.push_back({.name = "", .colour = {}, .image = look.images.size()});
-    look.images.push_back({"image " + std::to_string(look.images.size()), std::move(bytes)});
+    appearance.materials.push_back({.name = "", .colour = {}, .image = appearance.images.size()});
+    appearance.images.push_back({"image " + std::to_string(appearance.images.size()), std::move(bytes)});
   }
   std::array<int, 3> size_of(const TextureLayers& layers) {
     std::array<int, 3> size = {};
@@ -49,20 +49,20 @@ struct TextureLayersTest : testing::Test {
   }
 
   std::unique_ptr<StereoView> view;
-  MeshAppearance look;
+  MeshAppearance appearance;
   std::vector<std::string> notes;
 };
 
 TEST_F(TextureLayersTest, WithoutAnImageThatIsUsedThereAreNone) {
-  look.images.push_back({"unused", make_plain_png(2, 2, {255, 0, 0})});
+  appearance.images.push_back({"unused", make_plain_png(2, 2, {255, 0, 0})});
   EXPECT_EQ(make(), nullptr);
-  look.materials.push_back({.name = "", .colour = {}, .image = 7});
-  EXPECT_EQ(make(), nullptr) << "an image that the look does not have";
+  appearance.materials.push_back({.name = "", .colour = {}, .image = 7});
+  EXPECT_EQ(make(), nullptr) << "an image that the appearance does not have";
   EXPECT_TRUE(notes.empty());
 }
 
 TEST_F(TextureLayersTest, EachUsedImageThatCanBeReadIsALayer) {
-  look.images.push_back({"unused", make_plain_png(32, 32, {255, 255, 255})});
+  appearance.images.push_back({"unused", make_plain_png(32, 32, {255, 255, 255})});
   add_image(make_plain_png(8, 2, {0, 0, 255}));
   add_image("no image");
   add_image(make_plain_png(2, 4, {0, 255, 0}));
@@ -89,19 +89,17 @@ TEST_F(TextureLayersTest, ObjectsOfTheSameImagesShareThem) {
   add_image(make_plain_png(8, 2, {0, 0, 255}));
   add_image("no image");
   SharedTextures shared;
-  const auto make_of = [&](const MeshAppearance& appearance) {
-    return shared.make(std::make_shared<const MeshAppearance>(appearance), notes);
-  };
-  const auto first = make_of(look);
+  const auto make_of = [&](const MeshAppearance& of) { return shared.make(std::make_shared<const MeshAppearance>(of), notes); };
+  const auto first = make_of(appearance);
   ASSERT_TRUE(first);
-  look.triangles.resize(5);
-  EXPECT_EQ(make_of(look), first);
+  appearance.triangles.resize(5);
+  EXPECT_EQ(make_of(appearance), first);
   EXPECT_EQ(notes.size(), 1U) << "the image that cannot be read is named once";
-  MeshAppearance other = look;
+  MeshAppearance other = appearance;
   other.images[0].bytes = make_plain_png(8, 2, {0, 255, 0});
   EXPECT_NE(make_of(other), first);
-  look.materials[1].image.reset();
-  const auto fewer = make_of(look);
+  appearance.materials[1].image.reset();
+  const auto fewer = make_of(appearance);
   ASSERT_TRUE(fewer);
   EXPECT_NE(fewer, first);
   EXPECT_EQ(fewer->layer_of(), (std::vector<std::uint8_t>{1, 0}));
@@ -125,7 +123,7 @@ TEST_F(TextureLayersTest, ASideHasAtMost4096Texels) {
   const auto wide = make();
   ASSERT_TRUE(wide);
   EXPECT_EQ(size_of(*wide), (std::array<int, 3>{4096, 1, 1}));
-  look = {};
+  appearance = {};
   add_image(make_plain_png(1, 5000, {255, 0, 0}));
   const auto high = make();
   ASSERT_TRUE(high);

@@ -26,7 +26,7 @@ TEST(TimeLineFigure, HasARectangleForEachThingThatHappened) {
   drawn.figure.set(drawn.line, 0.6, kLinePicture);
   const double low = drawn.place.bottom_px;
   const double high = low + drawn.place.height_px;
-  const double over = 0.35 * drawn.place.height_px;
+  const double overhang = 0.35 * drawn.place.height_px;
   struct Box {
     double left, right, bottom, top;
     PartColour colour;
@@ -34,9 +34,9 @@ TEST(TimeLineFigure, HasARectangleForEachThingThatHappened) {
   const Box expected[] = {{drawn.x(0.0), drawn.x(1.0), low, high, {92, 98, 108}},
                           {drawn.x(0.25), drawn.x(0.5), low, high, {90, 230, 120}},
                           {drawn.x(0.7), drawn.x(0.7) + 1.0, low, high, {90, 230, 120}},
-                          {drawn.x(0.4) - 1.0, drawn.x(0.4) + 1.0, low - over, high + over, {120, 200, 255}},
-                          {drawn.x(0.8) - 1.0, drawn.x(0.8) + 1.0, low - over, high + over, {120, 200, 255}},
-                          {drawn.x(0.8) - 1.0, drawn.x(0.8) + 1.0, low - over, high + over, {240, 80, 70}}};
+                          {drawn.x(0.4) - 1.0, drawn.x(0.4) + 1.0, low - overhang, high + overhang, {120, 200, 255}},
+                          {drawn.x(0.8) - 1.0, drawn.x(0.8) + 1.0, low - overhang, high + overhang, {120, 200, 255}},
+                          {drawn.x(0.8) - 1.0, drawn.x(0.8) + 1.0, low - overhang, high + overhang, {240, 80, 70}}};
   vtkPolyData* shape = drawn.parts.flat_shape(0);
   const auto cells = cells_of(shape->GetPolys());
   ASSERT_EQ(cells.size(), std::size(expected));
@@ -58,12 +58,19 @@ TEST(TimeLineFigure, TheMomentIsAPostWithTwoHeads) {
     drawn.figure.set(drawn.line, moment, kLinePicture);
     vtkPolyData* shape = drawn.parts.flat_shape(1);
     const double x = drawn.x(moment);
-    const double over = 0.6 * drawn.place.height_px;
-    const double low = drawn.place.bottom_px - over;
-    const double high = drawn.place.bottom_px + drawn.place.height_px + over;
-    const Vec3 corners[10] = {{x - 1.0, low, 0.0},        {x + 1.0, low, 0.0},         {x + 1.0, high, 0.0},        {x - 1.0, high, 0.0},
-                              {x, high - over, 0.0},      {x + 0.8 * over, high, 0.0}, {x - 0.8 * over, high, 0.0}, {x, low + over, 0.0},
-                              {x - 0.8 * over, low, 0.0}, {x + 0.8 * over, low, 0.0}};
+    const double overhang = 0.6 * drawn.place.height_px;
+    const double low = drawn.place.bottom_px - overhang;
+    const double high = drawn.place.bottom_px + drawn.place.height_px + overhang;
+    const Vec3 corners[10] = {{x - 1.0, low, 0.0},
+                              {x + 1.0, low, 0.0},
+                              {x + 1.0, high, 0.0},
+                              {x - 1.0, high, 0.0},
+                              {x, high - overhang, 0.0},
+                              {x + 0.8 * overhang, high, 0.0},
+                              {x - 0.8 * overhang, high, 0.0},
+                              {x, low + overhang, 0.0},
+                              {x - 0.8 * overhang, low, 0.0},
+                              {x + 0.8 * overhang, low, 0.0}};
     for (vtkIdType i = 0; i < 10; ++i) EXPECT_LT((point_of(shape, i) - corners[i]).norm(), 1e-4) << moment << " " << i;
     const auto cells = cells_of(shape->GetPolys());
     EXPECT_EQ(cells, (std::vector<std::vector<vtkIdType>>{{0, 1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));

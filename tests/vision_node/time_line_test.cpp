@@ -42,7 +42,7 @@ TEST(TimeLine, EachContactIsABandOfItsOwn) {
   const double from[] = {1.0, 1.12, 3.0};
   const double to[] = {1.1, 1.2, 3.02};
   for (std::size_t i = 0; i < 3; ++i) {
-    // Bands begin and end at whole columns, which divide the time from the first sample to the last.
+    // Bands begin and end at whole columns, which divide the 3.999 s from the first sample, at 0.001 s, to the last.
     EXPECT_NEAR(bands[i].from, (from[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
     EXPECT_NEAR(bands[i].to, (to[i] - 0.001) / 3.999, 1.0 / kTimeLineColumns) << i;
     EXPECT_LE(bands[i].from, (from[i] - 0.001) / 3.999) << i;
@@ -56,10 +56,11 @@ TEST(TimeLine, TicksOfOneKindAreNoNearerThanAColumn) {
   made.marks_at = {999, 1000, 2500, 3000};
   const OpenedRecording recording(std::move(made));
   const std::vector<TimeLineShown::Tick> ticks = make_time_line(recording.index).ticks;
-  ASSERT_EQ(ticks.size(), 5U) << "of 1 s one, of 2.5 s both, of 3 s and 3.5 s one each";
+  ASSERT_EQ(ticks.size(), 5U) << "one at 1 s, both at 2.5 s, one each at 3 s and 3.5 s";
   const bool is_fault[] = {false, true, false, false, false};
   const double at[] = {0.999, 2.5, 2.5, 3.0, 3.5};
   for (std::size_t i = 0; i < 5; ++i) {
+    // The first sample is at 0.001 s, and the last one 3.999 s later.
     EXPECT_NEAR(ticks[i].at, (at[i] - 0.001) / 3.999, 1e-9) << i;
     EXPECT_EQ(ticks[i].is_fault, is_fault[i]) << i;
   }

@@ -9,13 +9,13 @@ namespace {
 
 constexpr PictureSize kSquare{400, 400};
 
-struct Seen {
-  std::size_t clusters = 0;
-  std::size_t wrongly_left_out = 0;
+struct CullingCounts {
+  std::size_t drawn_clusters = 0;
+  std::size_t wrongly_left_out = 0;  // triangles
 };
 
 // Counts the clusters that are not left out, and, in those that are, the triangles that would be seen.
-Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
+CullingCounts count_culling(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
   const DetailFrame frame = make_detail_frame(mesh);
   DetailLevel level = make_full_level(mesh, frame);
   divide_into_clusters(level);
@@ -23,10 +23,10 @@ Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
   const Mat4 to_clip = compute_projection_matrix(screen, Eye::left) * compute_view_matrix(screen, Eye::left) * frame.matrix();
   const Vec3 p_UE = (frame.matrix().inverse() * compute_eye_position(screen, Eye::left).homogeneous()).head<3>();
   const ViewCulling culling(to_clip, p_UE, sides);
-  Seen seen;
+  CullingCounts counts;
   for (const DetailCluster& cluster : level.clusters) {
     if (culling.may_see(cluster)) {
-      ++seen.clusters;
+      ++counts.drawn_clusters;
       continue;
     }
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; i += 3) {
@@ -40,33 +40,33 @@ Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
       const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
       const double towards = normal.dot((p_UE - corner[0]).normalized());
       const bool is_drawn = sides == DrawnSides::both || (sides == DrawnSides::fronts ? towards > 1e-4 : towards < -1e-4);
-      seen.wrongly_left_out += inside && is_drawn;
+      counts.wrongly_left_out += inside && is_drawn;
     }
   }
-  return seen;
+  return counts;
 }
 
 TEST(ViewCulling, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
   const Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
-  const Seen all = look(mesh, framing, DrawnSides::both);
-  const Seen fronts = look(mesh, framing, DrawnSides::fronts);
+  const CullingCounts all = count_culling(mesh, framing, DrawnSides::both);
+  const CullingCounts fronts = count_culling(mesh, framing, DrawnSides::fronts);
   EXPECT_EQ(all.wrongly_left_out, 0U);
   EXPECT_EQ(fronts.wrongly_left_out, 0U);
-  EXPECT_LT(static_cast<double>(fronts.clusters), 0.75 * static_cast<double>(all.clusters));
-  const Seen backs = look(mesh, framing, DrawnSides::backs);
+  EXPECT_LT(static_cast<double>(fronts.drawn_clusters), 0.75 * static_cast<double>(all.drawn_clusters));
+  const CullingCounts backs = count_culling(mesh, framing, DrawnSides::backs);
   EXPECT_EQ(backs.wrongly_left_out, 0U);
-  EXPECT_LT(static_cast<double>(backs.clusters), 0.75 * static_cast<double>(all.clusters));
+  EXPECT_LT(static_cast<double>(backs.drawn_clusters), 0.75 * static_cast<double>(all.drawn_clusters));
 }
 
 TEST(ViewCulling, LeavesOutWhatIsBesideThePicture) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
   Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
-  const Seen whole = look(mesh, framing, DrawnSides::both);
+  const CullingCounts whole = count_culling(mesh, framing, DrawnSides::both);
   framing.view_m *= 0.25;
-  const Seen part = look(mesh, framing, DrawnSides::both);
+  const CullingCounts part = count_culling(mesh, framing, DrawnSides::both);
   EXPECT_EQ(part.wrongly_left_out, 0U);
-  EXPECT_LT(part.clusters, whole.clusters / 2);
+  EXPECT_LT(part.drawn_clusters, whole.drawn_clusters / 2);
 }
 
 }  // namespace

@@ -48,10 +48,10 @@ TEST(ViewerHead, MotionIsThatOfTheEyeThatMovesFarther) {
   const Head from;
   EXPECT_EQ(compute_eye_motion_m(from, from, 0.063), 0.0);
   EXPECT_NEAR(compute_eye_motion_m(from, {{0.003, 0.004, 0.6}, Quat::Identity()}, 0.063), 0.005, 1e-15);
-  const Quat half(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ()));
-  EXPECT_NEAR(compute_eye_motion_m(from, {{0.0, 0.0, 0.6}, half}, 0.063), 0.063, 1e-12) << "the eyes change places";
-  EXPECT_NEAR(compute_eye_motion_m(from, {{0.01, 0.0, 0.6}, half}, 0.063), 0.073, 1e-12);
-  EXPECT_EQ(compute_eye_motion_m(from, {{0.0, 0.0, 0.6}, half}, 0.0), 0.0);
+  const Quat half_turn(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ()));
+  EXPECT_NEAR(compute_eye_motion_m(from, {{0.0, 0.0, 0.6}, half_turn}, 0.063), 0.063, 1e-12) << "the eyes change places";
+  EXPECT_NEAR(compute_eye_motion_m(from, {{0.01, 0.0, 0.6}, half_turn}, 0.063), 0.073, 1e-12);
+  EXPECT_EQ(compute_eye_motion_m(from, {{0.0, 0.0, 0.6}, half_turn}, 0.0), 0.0);
 }
 
 TEST(ViewerHead, IsDescribedInCentimetresWhereItHasMoved) {

@@ -35,7 +35,7 @@ TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
   window.finish_teaching(stop);
   ASSERT_NE(window.step().compose(0).hud.find("cells occupied"), std::string::npos) << window.step().compose(0).hud;
   Person person;
-  ASSERT_TRUE(person.found());
+  ASSERT_TRUE(person.has_window());
   person.press_key(XK_v, ShiftMask);
   person.press_key(XK_q);  // when it arrives, V has arrived too
   ASSERT_TRUE(wait_until([&] { return window.poll_events({}, {}).quit; }));

@@ -52,7 +52,7 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(std::get<int>(parse({"--cull-open", "--no-cull"})), 2) << "they contradict each other";
 }
 
-TEST(VisionOptions, PicturesOfAVideoAreOfARecording) {
+TEST(VisionOptions, FramesOfAVideoNeedARecording) {
   const auto parsed = parse({"--session", "a.hapton", "--frames", "b", "--frame-rate", "25"});
   ASSERT_TRUE(std::holds_alternative<VisionOptions>(parsed));
   EXPECT_EQ(std::get<VisionOptions>(parsed).frames, "b");
@@ -75,7 +75,7 @@ TEST(VisionOptions, KnowWhichAnglesWereGiven) {
   EXPECT_TRUE(!pitch.is_view_yaw_given && pitch.is_view_pitch_given);
 }
 
-TEST(VisionOptions, ASecondHubIsAnotherHand) {
+TEST(VisionOptions, ASecondHubIsThatOfAnotherHand) {
   const auto one = std::get<VisionOptions>(parse({"--hub", "a"}));
   EXPECT_EQ(one.hub, "a");
   EXPECT_EQ(one.other_hub, "");

@@ -22,15 +22,15 @@ using hapton::ScratchFolder;
 using hapton::to_code;
 using hapton::Unit;
 
-struct Ended {
+struct VisionRun {
   int code = -1;
   std::string output;
 };
 
 // Runs the program vision_node. output: what it wrote to stdout and stderr.
-Ended run_vision(const std::string& arguments, const std::string& environment = "") {
+VisionRun run_vision(const std::string& arguments, const std::string& environment = "") {
   const std::string command = "cd " HAPTON_SOURCE_DIR " && " + environment + " " HAPTON_BIN_DIR "/vision_node " + arguments + " 2>&1";
-  Ended run;
+  VisionRun run;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return run;
   char buffer[512];
@@ -41,14 +41,14 @@ Ended run_vision(const std::string& arguments, const std::string& environment = 
 }
 
 TEST(VisionProgram, WithoutADisplayItSaysSoInOneLineAndEnds) {
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj", "DISPLAY=");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj", "DISPLAY=");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("no display"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("xvfb-run"), std::string::npos);
 }
 
 TEST(VisionProgram, CrystalEyesWithoutQuadBufferSaysSoAndEnds) {
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --stereo crystal_eyes --seconds 0.5 --offscreen");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --stereo crystal_eyes --seconds 0.5 --offscreen");
   if (run.code == 0) GTEST_SKIP() << "this display has quad-buffered stereo";
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("quad-buffered"), std::string::npos) << run.output;
@@ -57,7 +57,7 @@ TEST(VisionProgram, CrystalEyesWithoutQuadBufferSaysSoAndEnds) {
 // Such a picture would take a renderer on the processor longer than a person waits.
 TEST(VisionProgram, APictureThatIsTooLargeIsOneLine) {
   const auto begin = std::chrono::steady_clock::now();
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 16384x16384 --seconds 0.1");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 16384x16384 --seconds 0.1");
   if (run.code == 0) GTEST_SKIP() << "this renderer draws it";
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("--size 16384x16384: "), std::string::npos) << run.output;
@@ -65,7 +65,7 @@ TEST(VisionProgram, APictureThatIsTooLargeIsOneLine) {
 }
 
 TEST(VisionProgram, MissingSceneIsOneLine) {
-  const Ended run = run_vision("--scene nowhere.toml");
+  const VisionRun run = run_vision("--scene nowhere.toml");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("nowhere.toml"), std::string::npos) << run.output;
 }
@@ -79,10 +79,10 @@ TEST(VisionProgram, AWindowOfAnotherShapeThanTheScreenIsReported) {
   const std::string picture = (scratch.path() / "a.png").string();
   const std::string arguments = "--scene meshes/car_front_3300.obj --offscreen --seconds 0.3 --hub 127.0.0.1:9 --screenshot " + picture +
                                 " --screen " + file + " --size ";
-  const Ended wide = run_vision(arguments + "320x180");
+  const VisionRun wide = run_vision(arguments + "320x180");
   EXPECT_EQ(wide.code, 0) << wide.output;
   EXPECT_NE(wide.output.find("the picture has 320x180 pixels, and the screen of --screen 320 x 240 mm"), std::string::npos) << wide.output;
-  const Ended fits = run_vision(arguments + "320x240");
+  const VisionRun fits = run_vision(arguments + "320x240");
   EXPECT_EQ(fits.code, 0) << fits.output;
   EXPECT_EQ(fits.output.find("the picture has"), std::string::npos) << fits.output;
   EXPECT_TRUE(std::filesystem::exists(picture));
@@ -96,10 +96,10 @@ TEST(VisionProgram, SaysThatAScenesCameraDoesNotApply) {
   const std::string arguments = "--offscreen --size 320x180 --seconds 0.3 --hub 127.0.0.1:9 --screenshot " +
                                 (scratch.path() / "a.png").string() + " --scene " + scene;
   const std::string line = "the scene's [camera] does not apply, because --screen-width-mm says from where it is seen";
-  const Ended without = run_vision(arguments);
+  const VisionRun without = run_vision(arguments);
   EXPECT_EQ(without.code, 0) << without.output;
   EXPECT_EQ(without.output.find("[camera]"), std::string::npos) << without.output;
-  const Ended with = run_vision(arguments + " --screen-width-mm 520");
+  const VisionRun with = run_vision(arguments + " --screen-width-mm 520");
   EXPECT_EQ(with.code, 0) << with.output;
   EXPECT_NE(with.output.find(line), std::string::npos) << with.output;
 }
@@ -109,7 +109,7 @@ TEST(VisionProgram, AScreenFileThatIsWrongIsOneLine) {
   scratch.write("screen.toml",
                 "schema = \"hapton.screen/1\"\nposition_m = [0, 0, 0]\nrotation = [1, 0, 0, 0]\nwidth_m = 520\nheight_m = 0.3\n");
   const std::string file = (scratch.path() / "screen.toml").string();
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --screen " + file);
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --screen " + file);
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("--screen " + file + ": line 4: 'width_m' in the file is 520: it must be at least 0.02 and at most 100"),
             std::string::npos)
@@ -117,14 +117,14 @@ TEST(VisionProgram, AScreenFileThatIsWrongIsOneLine) {
 }
 
 TEST(VisionProgram, BadHubIsOneLine) {
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --hub 127.0.0.1:99999");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --hub 127.0.0.1:99999");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("99999"), std::string::npos) << run.output;
 }
 
 TEST(VisionProgram, WritesAScreenshotWithoutAPerson) {
   const auto file = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".png");
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
   EXPECT_NE(run.output.find("shows no contact: no hub replied before the end"), std::string::npos) << run.output;
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_TRUE(std::filesystem::exists(file));
@@ -133,7 +133,8 @@ TEST(VisionProgram, WritesAScreenshotWithoutAPerson) {
 }
 
 TEST(VisionProgram, ScreenshotThatCannotBeWrittenFails) {
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 0.3 --screenshot /nowhere/a.png");
+  const VisionRun run =
+      run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 0.3 --screenshot /nowhere/a.png");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("/nowhere/a.png"), std::string::npos) << run.output;
 }
@@ -141,7 +142,7 @@ TEST(VisionProgram, ScreenshotThatCannotBeWrittenFails) {
 TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
   const std::string picture = (std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".jpg")).string();
   for (const std::string& name : {std::string("/nowhere/a.png"), picture}) {
-    const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + name);
+    const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + name);
     EXPECT_EQ(run.code, 1);
     EXPECT_NE(run.output.find(name), std::string::npos) << run.output;
     EXPECT_FALSE(std::filesystem::exists(name));
@@ -152,14 +153,15 @@ TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
 TEST(VisionProgram, AFolderAsScreenshotIsRejected) {
   const auto folder = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + "_folder.png");
   std::filesystem::create_directory(folder);
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + folder.string());
+  const VisionRun run =
+      run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + folder.string());
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("it is a folder; give the name of a file"), std::string::npos) << run.output;
   std::filesystem::remove(folder);
 }
 
 TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 5 --hub 127.0.0.1:9");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 5 --hub 127.0.0.1:9");
   EXPECT_EQ(run.code, 1);
   EXPECT_NE(run.output.find("no hub replies"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("no hub at "), std::string::npos) << run.output;
@@ -167,7 +169,7 @@ TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
 
 TEST(VisionProgram, BenchSaysItsRate) {
   const auto begin = std::chrono::steady_clock::now();
-  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --bench-frames 5");
+  const VisionRun run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --bench-frames 5");
   const double elapsed_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(run.code, 0) << run.output;
   const std::size_t at = run.output.find("bench: ");
@@ -212,13 +214,13 @@ struct RecordedProgram : testing::Test {
     recording.scene = HAPTON_SOURCE_DIR "/meshes/car_front_3300.obj";
     recording.scene_loading = to_code({.fit = MeshFit::workspace});
   }
-  Ended show(const std::string& arguments, const std::string& environment = "") {
+  VisionRun show(const std::string& arguments, const std::string& environment = "") {
     return run_vision("--offscreen --size 320x180 --session " + recording.write(scratch).string() + " " + arguments, environment);
   }
 };
 
 TEST_F(RecordedProgram, AMomentIsShownWithoutAHub) {
-  const Ended run = show("--at 2.5 --screenshot " + picture.string());
+  const VisionRun run = show("--at 2.5 --screenshot " + picture.string());
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_TRUE(std::filesystem::exists(picture));
   EXPECT_NE(run.output.find("shown until 2.500 s of the recording"), std::string::npos) << run.output;
@@ -227,9 +229,9 @@ TEST_F(RecordedProgram, AMomentIsShownWithoutAHub) {
 
 TEST_F(RecordedProgram, ItNeedsNoLinkKeyAndMakesNone) {
   const std::string arguments = "--at 2.5 --screenshot " + picture.string();
-  const Ended homeless = show(arguments, "env -u HOME -u XDG_RUNTIME_DIR");
-  EXPECT_EQ(homeless.code, 0) << homeless.output;
-  const Ended run = show(arguments, "XDG_RUNTIME_DIR=" + scratch.path().string());
+  const VisionRun without_home = show(arguments, "env -u HOME -u XDG_RUNTIME_DIR");
+  EXPECT_EQ(without_home.code, 0) << without_home.output;
+  const VisionRun run = show(arguments, "XDG_RUNTIME_DIR=" + scratch.path().string());
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_FALSE(std::filesystem::exists(scratch.path() / "hapton"));
 }
@@ -239,7 +241,7 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
   EXPECT_NE(outside.find("--at 99: "), std::string::npos) << outside;
   EXPECT_NE(outside.find("has samples from 0.001 s to 4.000 s"), std::string::npos) << outside;
   recording.scene = "/nowhere/made.toml";
-  const Ended no_scene = show("--at 1");
+  const VisionRun no_scene = show("--at 1");
   EXPECT_EQ(no_scene.code, 1);
   EXPECT_NE(no_scene.output.find("give its present place with --scene FILE"), std::string::npos) << no_scene.output;
   EXPECT_EQ(show("--at 2 --scene meshes/car_front_3300.obj --screenshot " + picture.string()).code, 0);
@@ -247,7 +249,7 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
                                         {"--session meshes/car_front_3300.obj", "is not a recorded session"},
                                         {"--session a --hub 127.0.0.1", "--hub excludes --session"},
                                         {"--at 2", "--at requires --session"}}) {
-    const Ended run = run_vision(arguments);
+    const VisionRun run = run_vision(arguments);
     EXPECT_NE(run.code, 0) << arguments;
     EXPECT_NE(run.output.find(what), std::string::npos) << run.output;
   }
@@ -260,18 +262,18 @@ TEST_F(RecordedProgram, ItsSceneHasTheUnitAndTheFitOfTheHapticsNode) {
   ASSERT_TRUE(scene) << scene.error().what;
   recording.scene_loading = to_code(felt);
   recording.given_hash = scene->given_hash;
-  const Ended run = show("--at 2.5 --screenshot " + picture.string());
+  const VisionRun run = show("--at 2.5 --screenshot " + picture.string());
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_EQ(run.output.find("another scene"), std::string::npos) << run.output;
-  const Ended other = show("--at 2.5 --unit m --screenshot " + picture.string());
+  const VisionRun other = show("--at 2.5 --unit m --screenshot " + picture.string());
   EXPECT_EQ(other.code, 0) << other.output;
   EXPECT_NE(other.output.find("another scene"), std::string::npos) << "the command line counts more: " << other.output;
 }
 
 TEST_F(RecordedProgram, WhatIsBeforeADamageIsShownAndTheExitCodeSaysSo) {
-  const std::filesystem::path whole = recording.write(scratch);
-  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
-  const Ended run = run_vision("--offscreen --size 320x180 --session " + whole.string() + " --at 1 --screenshot " + picture.string());
+  const std::filesystem::path file = recording.write(scratch);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  const VisionRun run = run_vision("--offscreen --size 320x180 --session " + file.string() + " --at 1 --screenshot " + picture.string());
   EXPECT_EQ(run.code, 1) << run.output;
   EXPECT_NE(run.output.find("is cut short"), std::string::npos) << run.output;
   EXPECT_TRUE(std::filesystem::exists(picture));

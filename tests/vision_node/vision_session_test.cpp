@@ -37,17 +37,17 @@ class FakeHub {
   Address address() const { return endpoint_->local_address(); }
 
   // Whether the probe moves with the samples, and whether it touches object 0. Set them before a node joins.
-  std::atomic<bool> moving{true};
-  std::atomic<bool> contact{true};
+  std::atomic<bool> moves_probe{true};
+  std::atomic<bool> touches_object{true};
   // After the first acknowledgement of a frame, the hub sends no more states.
-  std::atomic<bool> ends_with_first_frame{false};
+  std::atomic<bool> ends_with_first_ack{false};
   // Number of view transforms that the hub ignores, as if a bad network had lost them.
-  std::atomic<int> lose_transforms{0};
+  std::atomic<int> transforms_to_lose{0};
 
   // Read these only after stop().
   std::vector<ViewTransform> transforms;
-  std::vector<FrameAck> drawn;
-  std::vector<HandTarget> hands;
+  std::vector<FrameAck> acks;
+  std::vector<HandTarget> hand_targets;
   std::uint64_t samples = 0;
 
  private:
@@ -59,27 +59,27 @@ class FakeHub {
     while (!stopping_) {
       next_ns += 2 * kNanosecondsPerMillisecond;
       while (clock_.now_ns() < next_ns) {
-        if (peers.receive(received, next_ns).kind == PeerEvent::Kind::message) keep(received.message, state);
+        if (peers.receive(received, next_ns).kind == PeerEvent::Kind::message) store(received.message, state);
       }
-      if (ends_with_first_frame && !drawn.empty()) continue;
+      if (ends_with_first_ack && !acks.empty()) continue;
       state.sample = ++samples;
       state.sample_time_ns = next_ns;
-      if (moving) state.p_WD.x() = 0.05 * std::sin(0.01 * static_cast<double>(samples));
-      state.contact = contact;
-      state.object = contact ? 0 : -1;
+      if (moves_probe) state.p_WD.x() = 0.05 * std::sin(0.01 * static_cast<double>(samples));
+      state.contact = touches_object;
+      state.object = touches_object ? 0 : -1;
       state.servo_rate_hz = 500.0F;
       peers.send_to_role(NodeRole::vision, state);
     }
   }
 
-  void keep(const Message& message, ProbeState& state) {
+  void store(const Message& message, ProbeState& state) {
     if (const auto* transform = std::get_if<ViewTransform>(&message)) {
-      if (lose_transforms-- > 0) return;
+      if (transforms_to_lose-- > 0) return;
       transforms.push_back(*transform);
       state.view_revision = transform->revision;
     }
-    if (const auto* picture = std::get_if<FrameAck>(&message)) drawn.push_back(*picture);
-    if (const auto* hand = std::get_if<HandTarget>(&message)) hands.push_back(*hand);
+    if (const auto* ack = std::get_if<FrameAck>(&message)) acks.push_back(*ack);
+    if (const auto* hand = std::get_if<HandTarget>(&message)) hand_targets.push_back(*hand);
   }
 
   SteadyClock clock_;
@@ -89,9 +89,9 @@ class FakeHub {
 };
 
 struct Session {
-  explicit Session(const Address& hub, VisionOptions given = {}, bool shows_window = false,
+  explicit Session(const Address& hub, VisionOptions base_options = {}, bool shows_window = false,
                    std::shared_ptr<const TriangleMesh> mesh = make_marker(Vec3::Zero(), 0.03))
-      : options(std::move(given)) {
+      : options(std::move(base_options)) {
     options.view.width_px = 320;
     options.view.height_px = 180;
     options.view.offscreen = !shows_window;
@@ -113,146 +113,146 @@ struct Session {
   std::unique_ptr<VisionSession> session;
 };
 
-// Looks for a result in a short time, and if it is not there, in times that are 4 and 16 times as long: a machine that stands still may
-// leave too little of a second. look_for gets that factor.
-template <class Look>
-void expect_seen(Look&& look_for) {
-  testing::AssertionResult seen = look_for(1.0);
-  for (const double longer : {4.0, 16.0}) {
-    if (!seen) seen = look_for(longer);
+// Runs a check that waits a short time, and if it fails, repeats it with times that are 4 and 16 times as long: on a machine that stalls,
+// a second may be too short. check gets that factor.
+template <class Check>
+void expect_with_retries(Check&& check) {
+  testing::AssertionResult result = check(1.0);
+  for (const double time_factor : {4.0, 16.0}) {
+    if (!result) result = check(time_factor);
   }
-  EXPECT_TRUE(seen);
+  EXPECT_TRUE(result);
 }
-#define HAPTON_LOOK(holds) \
-  if (!(holds)) return testing::AssertionFailure() << #holds << ' '
+#define HAPTON_FAIL_UNLESS(condition) \
+  if (!(condition)) return testing::AssertionFailure() << #condition << ' '
 
-testing::AssertionResult shows_another_hand(double longer) {
+testing::AssertionResult shows_another_hand(double time_factor) {
   FakeHub hub;
   FakeHub other_hub;
-  hub.moving = false;
+  hub.moves_probe = false;
   VisionOptions options;
-  options.seconds = 1.2 * longer;
+  options.seconds = 1.2 * time_factor;
   options.dials_degrees = Vec3(0.0, 30.0, 0.0);
   Session vision(hub.address(), options);
   const auto endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
   HubClient client(*endpoint, vision.clock, NodeRole::vision, other_hub.address());
   OtherHand other(client, Quat::Identity(), vision.options.rate_limit_hz);
   vision.session->set_other_hand(&other);
-  HAPTON_LOOK(vision.session->run(vision.stop));
+  HAPTON_FAIL_UNLESS(vision.session->run(vision.stop));
   vision.session.reset();
   hub.stop();
   other_hub.stop();
-  HAPTON_LOOK(other_hub.drawn.size() > 3U) << other_hub.drawn.size();
-  HAPTON_LOOK(other_hub.drawn.back().echo_sample > other_hub.samples / 2) << other_hub.drawn.back().echo_sample;
+  HAPTON_FAIL_UNLESS(other_hub.acks.size() > 3U) << other_hub.acks.size();
+  HAPTON_FAIL_UNLESS(other_hub.acks.back().echo_sample > other_hub.samples / 2) << other_hub.acks.back().echo_sample;
   std::size_t shown = 0;
-  for (const FrameAck& drawn : other_hub.drawn) shown += drawn.unchanged ? 0 : 1;
-  HAPTON_LOOK(shown > 3U) << "pictures for a hand that moves, though the first one rests";
-  HAPTON_LOOK(!other_hub.transforms.empty() && !hub.transforms.empty());
-  HAPTON_LOOK(other_hub.transforms.back().X_WS == hub.transforms.back().X_WS);
+  for (const FrameAck& ack : other_hub.acks) shown += ack.unchanged ? 0 : 1;
+  HAPTON_FAIL_UNLESS(shown > 3U) << "pictures for a hand that moves, though the first one rests";
+  HAPTON_FAIL_UNLESS(!other_hub.transforms.empty() && !hub.transforms.empty());
+  HAPTON_FAIL_UNLESS(other_hub.transforms.back().X_WS == hub.transforms.back().X_WS);
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, ShowsAnotherHandAndTurnsItsSceneToo) { expect_seen(shows_another_hand); }
+TEST(VisionSession, ShowsAnotherHandAndTurnsItsSceneToo) { expect_with_retries(shows_another_hand); }
 
-testing::AssertionResult draws_what_moves(double longer) {
+testing::AssertionResult draws_what_moves(double time_factor) {
   FakeHub hub;
   VisionOptions options;
-  options.seconds = 1.2 * longer;
+  options.seconds = 1.2 * time_factor;
   Session vision(hub.address(), options);
-  HAPTON_LOOK(vision.session->run(vision.stop));
+  HAPTON_FAIL_UNLESS(vision.session->run(vision.stop));
   vision.session.reset();
   hub.stop();
-  HAPTON_LOOK(hub.drawn.size() > 3u) << hub.drawn.size();
-  for (std::size_t i = 1; i < hub.drawn.size(); ++i) EXPECT_GE(hub.drawn[i].echo_sample, hub.drawn[i - 1].echo_sample);
-  EXPECT_LE(hub.drawn.back().echo_sample, hub.samples);
-  for (const FrameAck& drawn : hub.drawn) {
-    if (drawn.unchanged) continue;
-    EXPECT_GT(drawn.held_ns, 0U);
-    HAPTON_LOOK(drawn.held_ns < 1e9) << drawn.held_ns;
+  HAPTON_FAIL_UNLESS(hub.acks.size() > 3u) << hub.acks.size();
+  for (std::size_t i = 1; i < hub.acks.size(); ++i) EXPECT_GE(hub.acks[i].echo_sample, hub.acks[i - 1].echo_sample);
+  EXPECT_LE(hub.acks.back().echo_sample, hub.samples);
+  for (const FrameAck& ack : hub.acks) {
+    if (ack.unchanged) continue;
+    EXPECT_GT(ack.held_ns, 0U);
+    HAPTON_FAIL_UNLESS(ack.held_ns < 1e9) << ack.held_ns;
   }
-  HAPTON_LOOK(hub.drawn.back().echo_sample > hub.samples / 2) << "newest wins: pictures do not lag behind the hub";
+  HAPTON_FAIL_UNLESS(hub.acks.back().echo_sample > hub.samples / 2) << "newest wins: pictures do not lag behind the hub";
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) { expect_seen(draws_what_moves); }
+TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) { expect_with_retries(draws_what_moves); }
 
 // Later frames, which are drawn for other reasons, show the same state: its age in them is not a latency.
-testing::AssertionResult acknowledges_each_state_once(double longer) {
+testing::AssertionResult acknowledges_each_state_once(double time_factor) {
   FakeHub hub;
-  hub.ends_with_first_frame = true;
+  hub.ends_with_first_ack = true;
   VisionOptions options;
-  options.seconds = 1.2 * longer;
+  options.seconds = 1.2 * time_factor;
   options.plots = true;  // plots are drawn again and again
   Session vision(hub.address(), options);
-  HAPTON_LOOK(vision.session->run(vision.stop));
+  HAPTON_FAIL_UNLESS(vision.session->run(vision.stop));
   const std::uint64_t frames = vision.session->step().frames().drawn();
   vision.session.reset();
   hub.stop();
   std::vector<FrameAck> measured;
-  std::copy_if(hub.drawn.begin(), hub.drawn.end(), std::back_inserter(measured), [](const FrameAck& ack) { return !ack.unchanged; });
+  std::copy_if(hub.acks.begin(), hub.acks.end(), std::back_inserter(measured), [](const FrameAck& ack) { return !ack.unchanged; });
   for (std::size_t i = 1; i < measured.size(); ++i) EXPECT_GT(measured[i].echo_sample, measured[i - 1].echo_sample);
-  HAPTON_LOOK(!measured.empty() && frames > measured.size() + 3) << frames << " " << measured.size();
-  HAPTON_LOOK(hub.drawn.back().unchanged) << "the hub may not have got the first";
-  EXPECT_EQ(hub.drawn.back().held_ns, 0U);
+  HAPTON_FAIL_UNLESS(!measured.empty() && frames > measured.size() + 3) << frames << " " << measured.size();
+  HAPTON_FAIL_UNLESS(hub.acks.back().unchanged) << "the hub may not have got the first";
+  EXPECT_EQ(hub.acks.back().held_ns, 0U);
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, AcknowledgesEachStateOnceHoweverOftenItIsDrawn) { expect_seen(acknowledges_each_state_once); }
+TEST(VisionSession, AcknowledgesEachStateOnceHoweverOftenItIsDrawn) { expect_with_retries(acknowledges_each_state_once); }
 
 // The tracker sends one position for a while, then nothing: the picture is drawn for a head at that position, and stays so.
-testing::AssertionResult draws_for_a_tracked_head(double longer) {
+testing::AssertionResult draws_for_a_tracked_head(double time_factor) {
   FakeHub hub;
-  hub.moving = false;
+  hub.moves_probe = false;
   vrpn::MadeTracker tracker;
   std::atomic<bool> ends{false};
-  std::thread speaks([&] {
+  std::thread server([&] {
     SteadyClock clock;
-    const std::int64_t silent_ns = clock.now_ns() + static_cast<std::int64_t>(4e8 * longer);
+    const std::int64_t silent_from_ns = clock.now_ns() + static_cast<std::int64_t>(4e8 * time_factor);
     while (!ends) {
       tracker.poll();
-      if (clock.now_ns() < silent_ns) tracker.say(vrpn::say_pose(0, {0.12, 0.05, 0.7}));
+      if (clock.now_ns() < silent_from_ns) tracker.say(vrpn::say_pose(0, {0.12, 0.05, 0.7}));
       clock.sleep_until_ns(clock.now_ns() + 5 * kNanosecondsPerMillisecond);
     }
   });
   VisionOptions options;
   options.head_source.tracker = vrpn::TrackerName{"Head0", to_string(tracker.address())};
-  options.seconds = 1.5 * longer;
+  options.seconds = 1.5 * time_factor;
   Session vision(hub.address(), options);
   const auto head = std::move(*HeadTracker::open(options.head_source, 0.063));
   vision.session->set_head_tracker(head.get());
   const StereoScreen before = vision.view->screen();
   const bool has_run = vision.session->run(vision.stop).has_value();
   ends = true;
-  speaks.join();
-  HAPTON_LOOK(has_run);
+  server.join();
+  HAPTON_FAIL_UNLESS(has_run);
   const StereoScreen after = vision.view->screen();
   const double scale = before.distance_m / kDeskDistance;
-  HAPTON_LOOK(std::abs(after.distance_m - 0.7 * scale) < 1e-9) << after.distance_m;
-  HAPTON_LOOK((after.eyes_offset_m - scale * Vec2(0.12, 0.05)).norm() < 1e-9) << after.eyes_offset_m.transpose();
-  const std::string told = head->describe(vision.clock.now_ns());
-  HAPTON_LOOK(told.find("the head stays where it was") != std::string::npos) << told;
+  HAPTON_FAIL_UNLESS(std::abs(after.distance_m - 0.7 * scale) < 1e-9) << after.distance_m;
+  HAPTON_FAIL_UNLESS((after.eyes_offset_m - scale * Vec2(0.12, 0.05)).norm() < 1e-9) << after.eyes_offset_m.transpose();
+  const std::string description = head->describe(vision.clock.now_ns());
+  HAPTON_FAIL_UNLESS(description.find("the head stays where it was") != std::string::npos) << description;
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, DrawsForATrackedHeadAndKeepsItWhenTheTrackerIsGone) { expect_seen(draws_for_a_tracked_head); }
+TEST(VisionSession, DrawsForATrackedHeadAndKeepsItWhenTheTrackerIsGone) { expect_with_retries(draws_for_a_tracked_head); }
 
-testing::AssertionResult rests_while_nothing_moves(double longer) {
+testing::AssertionResult rests_while_nothing_moves(double time_factor) {
   FakeHub hub;
-  hub.moving = false;
+  hub.moves_probe = false;
   VisionOptions options;
-  options.seconds = 1.2 * longer;
+  options.seconds = 1.2 * time_factor;
   Session vision(hub.address(), options);
-  HAPTON_LOOK(vision.session->run(vision.stop));
-  HAPTON_LOOK(vision.session->step().frames().drawn() <= 6u) << vision.session->step().frames().drawn();
-  HAPTON_LOOK(vision.session->step().frames().skipped() > 50u) << vision.session->step().frames().skipped();
+  HAPTON_FAIL_UNLESS(vision.session->run(vision.stop));
+  HAPTON_FAIL_UNLESS(vision.session->step().frames().drawn() <= 6u) << vision.session->step().frames().drawn();
+  HAPTON_FAIL_UNLESS(vision.session->step().frames().skipped() > 50u) << vision.session->step().frames().skipped();
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, RestsWhileNothingMoves) { expect_seen(rests_while_nothing_moves); }
+TEST(VisionSession, RestsWhileNothingMoves) { expect_with_retries(rests_while_nothing_moves); }
 
 TEST(VisionSession, TheTwelveFloatsArriveThoughTheFirstAreLost) {
   FakeHub hub;
-  hub.lose_transforms = 2;
+  hub.transforms_to_lose = 2;
   VisionOptions options;
   options.dials_degrees = {10.0, -20.0, 30.0};
   options.seconds = 3.0;
@@ -271,7 +271,7 @@ TEST(VisionSession, ScreenshotShowsTheContactOrElseTheEnd) {
   for (const bool contact : {true, false}) {
     std::filesystem::remove(file);
     FakeHub hub;
-    hub.contact = contact;
+    hub.touches_object = contact;
     VisionOptions options;
     options.screenshot = file;
     Session vision(hub.address(), options);
@@ -282,10 +282,10 @@ TEST(VisionSession, ScreenshotShowsTheContactOrElseTheEnd) {
 }
 
 TEST(VisionSession, WithoutAHubItStillDrawsAndEndsInTime) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
   VisionOptions options;
   options.seconds = 0.3;
-  Session vision(nobody->local_address(), options);
+  Session vision(silent_endpoint->local_address(), options);
   const std::int64_t begin = vision.clock.now_ns();
   ASSERT_TRUE(vision.session->run(vision.stop));
   EXPECT_GE(vision.clock.now_ns() - begin, 300 * kNanosecondsPerMillisecond);
@@ -324,37 +324,37 @@ VisionOptions with_impossible_screenshot(const char* moment) {
 }
 
 TEST(VisionSession, WhatIsDrawnIsSavedThoughTheScreenshotFails) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
   for (const char* moment : {"0", "exit"}) {
-    Session vision(nobody->local_address(), with_impossible_screenshot(moment));
-    const DrawnDot drawn(vision);
+    Session vision(silent_endpoint->local_address(), with_impossible_screenshot(moment));
+    const DrawnDot dot(vision);
     const auto ended = vision.session->run(vision.stop);
     ASSERT_FALSE(ended) << moment;
     EXPECT_NE(ended.error().what.find("/nowhere/a.png"), std::string::npos) << ended.error().what;
-    EXPECT_TRUE(std::filesystem::exists(drawn.options.file)) << moment;
+    EXPECT_TRUE(std::filesystem::exists(dot.options.file)) << moment;
   }
 }
 
-TEST(VisionSession, OfAScreenshotAndADrawingThatCannotBeWrittenBothAreReported) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
-  Session vision(nobody->local_address(), with_impossible_screenshot("exit"));
-  const DrawnDot drawn(vision);
-  std::filesystem::create_directory(drawn.options.file);  // instead of the file, which cannot be written then
+TEST(VisionSession, AScreenshotAndADrawingThatCannotBeWrittenAreBothReported) {
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
+  Session vision(silent_endpoint->local_address(), with_impossible_screenshot("exit"));
+  const DrawnDot dot(vision);
+  std::filesystem::create_directory(dot.options.file);  // instead of the file, which cannot be written then
   Result<void> ended;
   const std::string log = log_of([&] { ended = vision.session->run(vision.stop); });
   ASSERT_FALSE(ended);
   EXPECT_NE(ended.error().what.find("/nowhere/a.png"), std::string::npos) << ended.error().what;
-  EXPECT_NE(log.find(drawn.options.file.string()), std::string::npos) << log;
+  EXPECT_NE(log.find(dot.options.file.string()), std::string::npos) << log;
 }
 
-TEST(VisionSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+TEST(VisionSession, AScreenshotByKeyThatFailsIsALineInThePicture) {
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
   VisionOptions options;
   options.seconds = 30.0;  // the key q ends it earlier
-  Session vision(nobody->local_address(), options, true);
+  Session vision(silent_endpoint->local_address(), options, true);
   vision.view->draw();
   Person person;
-  ASSERT_TRUE(person.found());
+  ASSERT_TRUE(person.has_window());
   for (const KeySym key : {XK_s, XK_q}) person.press_key(key);
   const GoneFolder nowhere;
   const auto ended = vision.session->run(vision.stop);
@@ -363,90 +363,92 @@ TEST(VisionSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
   EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
 }
 
-testing::AssertionResult outlives_the_hub(double longer) {
+testing::AssertionResult outlives_the_hub(double time_factor) {
   auto hub = std::make_unique<FakeHub>();
   const Address address = hub->address();
   VisionOptions options;
-  options.seconds = 3.0 * longer;
+  options.seconds = 3.0 * time_factor;
   Session vision(address, options);
-  std::thread person([&] {
-    vision.clock.sleep_until_ns(vision.clock.now_ns() + static_cast<std::int64_t>(8e8 * longer));
+  std::thread hub_ender([&] {
+    vision.clock.sleep_until_ns(vision.clock.now_ns() + static_cast<std::int64_t>(8e8 * time_factor));
     hub.reset();
   });
   const bool has_run = vision.session->run(vision.stop).has_value();
-  person.join();
-  HAPTON_LOOK(has_run);
-  HAPTON_LOOK(vision.client->state() == JoinState::joining);
-  HAPTON_LOOK(vision.client->counts().joins == 1u) << vision.client->counts().joins;
+  hub_ender.join();
+  HAPTON_FAIL_UNLESS(has_run);
+  HAPTON_FAIL_UNLESS(vision.client->state() == JoinState::joining);
+  HAPTON_FAIL_UNLESS(vision.client->counts().joins == 1u) << vision.client->counts().joins;
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, OutlivesTheHubAndFindsTheNextOne) { expect_seen(outlives_the_hub); }
+TEST(VisionSession, OutlivesTheHubAndFindsTheNextOne) { expect_with_retries(outlives_the_hub); }
 
-testing::AssertionResult the_mouse_leads_the_hand(double longer) {
+testing::AssertionResult the_mouse_leads_the_hand(double time_factor) {
   FakeHub hub;
-  hub.moving = false;
+  hub.moves_probe = false;
   VisionOptions options;
-  options.seconds = 2.5 * longer;
+  options.seconds = 2.5 * time_factor;
   options.view_yaw_deg = options.view_pitch_deg = 0.0;
   options.view_mm = 64.0;  // the ball almost fills this view; the hand is led 1 % of the view below the surface
   Session vision(hub.address(), options, true);
   vision.view->draw();
-  const double zoomed_out_m = vision.view->screen().width_m;
-  std::thread hands([&vision, longer] {
+  const double width_before_zoom_m = vision.view->screen().width_m;
+  std::thread user([&vision, time_factor] {
     Person person;
-    const auto wait = [&](double ms) { vision.clock.sleep_until_ns(vision.clock.now_ns() + static_cast<std::int64_t>(1e6 * ms * longer)); };
+    const auto wait = [&](double ms) {
+      vision.clock.sleep_until_ns(vision.clock.now_ns() + static_cast<std::int64_t>(1e6 * ms * time_factor));
+    };
     wait(800);
-    person.move(160, 90);
-    person.button(ButtonPress, 1, 160, 90);
+    person.move_pointer(160, 90);
+    person.send_button(ButtonPress, 1, 160, 90);
     wait(300);
-    person.button(ButtonRelease, 1, 160, 90);
+    person.send_button(ButtonRelease, 1, 160, 90);
     person.press_key(XK_plus, ShiftMask);
     person.press_key(XK_m);
   });
   const bool has_run = vision.session->run(vision.stop).has_value();
-  hands.join();
-  HAPTON_LOOK(has_run);
+  user.join();
+  HAPTON_FAIL_UNLESS(has_run);
   vision.session.reset();
   hub.stop();
-  const auto led = std::find_if(hub.hands.begin(), hub.hands.end(), [](const HandTarget& hand) { return hand.active; });
-  HAPTON_LOOK(led != hub.hands.end());
+  const auto led = std::find_if(hub.hand_targets.begin(), hub.hand_targets.end(), [](const HandTarget& hand) { return hand.active; });
+  HAPTON_FAIL_UNLESS(led != hub.hand_targets.end());
   // The surface is 30 mm from the ball's centre, towards the viewer; the hand is led to a point slightly below it.
   EXPECT_LT(led->p_WH.norm(), 0.0302);
   EXPECT_GT(led->p_WH.norm(), 0.028);
   EXPECT_GT(led->p_WH.z(), 0.027);
-  HAPTON_LOOK(!hub.hands.back().active) << "and was released";
-  HAPTON_LOOK(vision.view->mode() == StereoMode::side_by_side);
-  HAPTON_LOOK(vision.view->screen().width_m < zoomed_out_m);
+  HAPTON_FAIL_UNLESS(!hub.hand_targets.back().active) << "and was released";
+  HAPTON_FAIL_UNLESS(vision.view->mode() == StereoMode::side_by_side);
+  HAPTON_FAIL_UNLESS(vision.view->screen().width_m < width_before_zoom_m);
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, TheMouseLeadsTheHandToTheSurfaceUnderItAndKeysChangeThePicture) { expect_seen(the_mouse_leads_the_hand); }
+TEST(VisionSession, TheMouseLeadsTheHandToTheSurfaceUnderItAndKeysChangeThePicture) { expect_with_retries(the_mouse_leads_the_hand); }
 
-testing::AssertionResult comes_to_full_detail(double longer) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+testing::AssertionResult comes_to_full_detail(double time_factor) {
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
   VisionOptions options;
-  options.seconds = 4.0 * longer;
+  options.seconds = 4.0 * time_factor;
   const auto mesh = std::make_shared<TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
-  Session vision(nobody->local_address(), options, false, mesh);
-  HAPTON_LOOK(vision.session->run(vision.stop));
-  HAPTON_LOOK(vision.view->detail_progress() == 1.0) << vision.view->detail_progress();
+  Session vision(silent_endpoint->local_address(), options, false, mesh);
+  HAPTON_FAIL_UNLESS(vision.session->run(vision.stop));
+  HAPTON_FAIL_UNLESS(vision.view->detail_progress() == 1.0) << vision.view->detail_progress();
   EXPECT_LT(vision.view->paint_count().triangles, mesh->triangles.size()) << "a coarser level would do while it moves";
-  for (int part = 0; part < 3; ++part) HAPTON_LOOK(!vision.view->refine()) << "nothing is left to do";
+  for (int part = 0; part < 3; ++part) HAPTON_FAIL_UNLESS(!vision.view->refine()) << "nothing is left to do";
   return testing::AssertionSuccess();
 }
 
-TEST(VisionSession, AtRestTheSceneComesToFullDetailByItself) { expect_seen(comes_to_full_detail); }
+TEST(VisionSession, AtRestTheSceneComesToFullDetailByItself) { expect_with_retries(comes_to_full_detail); }
 
 TEST(VisionSession, SaysInThePictureThatTheSavedSceneFileHasAnError) {
-  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  auto silent_endpoint = *open_udp_endpoint("127.0.0.1:0");
   const ScratchFolder folder;
   folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
   const std::string object = "[[object]]\nmesh = 'a.obj'\n";
   const auto file = folder.write("a.toml", object);
   VisionOptions options;
   options.seconds = 0.3;
-  Session vision(nobody->local_address(), options);
+  Session vision(silent_endpoint->local_address(), options);
   auto scene = load_scene(file, {});
   ASSERT_TRUE(scene) << scene.error().what;
   LiveScene live(*vision.view, vision.options, std::move(*scene));

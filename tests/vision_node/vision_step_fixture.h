@@ -17,9 +17,9 @@ class VisionStepTest : public testing::Test {
  protected:
   VisionStepTest() {
     const Framing framing = frame_sphere(Vec3::Zero(), 0.12, 0.063);
-    where_.picture = {640, 720};
-    where_.screen = compute_screen(framing, where_.picture);
-    where_.sizes = scale_probe(framing);
+    screen_.picture = {640, 720};
+    screen_.screen = compute_screen(framing, screen_.picture);
+    screen_.sizes = scale_probe(framing);
   }
 
   static VisionStepSettings settings() {
@@ -29,11 +29,11 @@ class VisionStepTest : public testing::Test {
     return made;
   }
 
-  // One iteration of the loop: draws if a picture is wanted, which takes 5 ms. True: it has drawn.
-  bool turn(VisionStep& step, std::int64_t now_ns) {
-    if (!step.wants_picture(now_ns, where_)) return false;
+  // One iteration of the loop: draws a picture if one is wanted, which takes 5 ms. Returns whether it drew.
+  bool draw_if_wanted(VisionStep& step, std::int64_t now_ns) {
+    if (!step.wants_picture(now_ns, screen_)) return false;
     step.compose(now_ns);
-    step.end_frame(now_ns, now_ns + 5 * kMs, where_);
+    step.end_frame(now_ns, now_ns + 5 * kMs, screen_);
     return true;
   }
 
@@ -49,14 +49,14 @@ class VisionStepTest : public testing::Test {
 
   template <class T>
   static std::vector<T> take_all(VisionStep& step, std::int64_t now_ns) {
-    std::vector<T> found;
+    std::vector<T> messages;
     while (const auto message = step.take_message(now_ns)) {
-      if (const T* wanted = std::get_if<T>(&*message)) found.push_back(*wanted);
+      if (const T* of_type = std::get_if<T>(&*message)) messages.push_back(*of_type);
     }
-    return found;
+    return messages;
   }
 
-  VisionStep::Screen where_;
+  VisionStep::Screen screen_;
 };
 
 }  // namespace hapton

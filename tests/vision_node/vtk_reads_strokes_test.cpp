@@ -18,14 +18,14 @@ namespace hapton {
 namespace {
 
 TEST(VtkReadsStrokes, PointsCellsAndTheirData) {
-  Annotations made;
-  made.objects = {"a", "b"};
-  made.entries = {Stroke{1, {{0.1, 0.2, 1.0 / 3.0}, {0.1, 0.25, 0.3}, {0.1, 0.3, 0.3}}}, Stroke{0, {{1, 2, 3}}},
-                  Measure{{{{0, {0, 0, 0}}, {1, {0, 0, 0.5}}}}}};
-  Pose X = Pose::Identity();
-  X.translation() = Vec3(0, 0, 1);
+  Annotations annotations;
+  annotations.objects = {"a", "b"};
+  annotations.entries = {Stroke{1, {{0.1, 0.2, 1.0 / 3.0}, {0.1, 0.25, 0.3}, {0.1, 0.3, 0.3}}}, Stroke{0, {{1, 2, 3}}},
+                         Measure{{{{0, {0, 0, 0}}, {1, {0, 0, 0.5}}}}}};
+  Pose X_SO = Pose::Identity();
+  X_SO.translation() = Vec3(0, 0, 1);
   ScratchFolder scratch;
-  const std::string file = scratch.write("a.vtp", write_annotations_vtp(made, {Pose::Identity(), X}, 2)).string();
+  const std::string file = scratch.write("a.vtp", write_annotations_vtp(annotations, {Pose::Identity(), X_SO}, 2)).string();
   vtkNew<vtkXMLPolyDataReader> reader;
   reader->SetFileName(file.c_str());
   reader->Update();
@@ -43,10 +43,10 @@ TEST(VtkReadsStrokes, PointsCellsAndTheirData) {
   EXPECT_EQ(data->GetCell(1)->GetNumberOfPoints(), 3);
   EXPECT_EQ(value("kind", 1), 0);
   EXPECT_EQ(value("object", 1), 1);
-  EXPECT_NEAR(value("length_m", 1), compute_length_m(std::get<Stroke>(made.entries[0])), 1e-15);
+  EXPECT_NEAR(value("length_m", 1), compute_length_m(std::get<Stroke>(annotations.entries[0])), 1e-15);
   EXPECT_EQ(data->GetCell(2)->GetNumberOfPoints(), 2);
   EXPECT_EQ(value("kind", 2), 1);
-  EXPECT_EQ(value("length_m", 2), 1.5);
+  EXPECT_EQ(value("length_m", 2), 1.5);  // object 1 is 1 m above object 0
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class WindowEvents : public testing::Test {
     view_->draw();
     view_->poll_events();
     person_ = std::make_unique<Person>();
-    ASSERT_TRUE(person_->found());
+    ASSERT_TRUE(person_->has_window());
   }
 
   // All events received until `count` have come or half a minute has passed.
@@ -54,13 +54,13 @@ TEST_F(WindowEvents, KeysArriveWithTheirCase) {
 }
 
 TEST_F(WindowEvents, ShiftArrivesWithTheButtonOfTheMouse) {
-  for (const unsigned state : {0U, static_cast<unsigned>(ShiftMask)}) {
-    person_->button(ButtonPress, Button3, 100, 90, state);
+  for (const unsigned modifiers : {0U, static_cast<unsigned>(ShiftMask)}) {
+    person_->send_button(ButtonPress, Button3, 100, 90, modifiers);
     const auto received = receive(1);
     ASSERT_FALSE(received.empty());
     EXPECT_EQ(received[0].kind, Kind::press);
-    EXPECT_EQ(received[0].shift, state != 0);
-    person_->button(ButtonRelease, Button3, 100, 90, state);
+    EXPECT_EQ(received[0].shift, modifiers != 0);
+    person_->send_button(ButtonRelease, Button3, 100, 90, modifiers);
     receive(1);
   }
 }
@@ -88,11 +88,11 @@ TEST_F(WindowEvents, NoKeyOfVtkEndsTheProgram) {
 }
 
 TEST_F(WindowEvents, DragArrivesInPixelsFromTheLowerLeft) {
-  person_->button(ButtonPress, Button1, 100, 50);
+  person_->send_button(ButtonPress, Button1, 100, 50);
   auto received = receive(1);
-  person_->move(130, 60);
+  person_->move_pointer(130, 60);
   for (const auto& event : receive(1)) received.push_back(event);
-  person_->button(ButtonRelease, Button1, 130, 60);
+  person_->send_button(ButtonRelease, Button1, 130, 60);
   for (const auto& event : receive(1)) received.push_back(event);
   ASSERT_EQ(received.size(), 3u);
   EXPECT_EQ(received[0].kind, Kind::press);
@@ -105,9 +105,9 @@ TEST_F(WindowEvents, DragArrivesInPixelsFromTheLowerLeft) {
 }
 
 TEST_F(WindowEvents, RightButtonAndWheel) {
-  person_->button(ButtonPress, Button3, 5, 5);
-  person_->button(ButtonPress, Button4, 5, 5);
-  person_->button(ButtonPress, Button5, 5, 5);
+  person_->send_button(ButtonPress, Button3, 5, 5);
+  person_->send_button(ButtonPress, Button4, 5, 5);
+  person_->send_button(ButtonPress, Button5, 5, 5);
   const auto received = receive(3);
   ASSERT_EQ(received.size(), 3u);
   EXPECT_EQ(received[0].button, Button::right);

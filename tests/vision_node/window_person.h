@@ -17,20 +17,20 @@ class Person {
  public:
   Person() : display_(XOpenDisplay(nullptr), XCloseDisplay) { window_ = find_window(DefaultRootWindow(display_.get())); }
 
-  bool found() const { return window_ != 0; }
+  bool has_window() const { return window_ != 0; }
 
-  void press_key(KeySym symbol, unsigned state = 0) {
+  void press_key(KeySym symbol, unsigned modifiers = 0) {
     XKeyEvent key = {};
     key.type = KeyPress;
     key.window = window_;
     key.root = DefaultRootWindow(display_.get());
     key.keycode = XKeysymToKeycode(display_.get(), symbol);
-    key.state = state;
+    key.state = modifiers;
     key.same_screen = True;
     send(key, KeyPressMask);
   }
 
-  void button(int type, unsigned number, int x, int y, unsigned state = 0) {
+  void send_button(int type, unsigned number, int x, int y, unsigned modifiers = 0) {
     XButtonEvent event = {};
     event.type = type;
     event.window = window_;
@@ -38,13 +38,13 @@ class Person {
     event.button = number;
     event.x = x;
     event.y = y;
-    event.state = state;
+    event.state = modifiers;
     event.same_screen = True;
     send(event, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
   }
 
   // Moves the real pointer, since VTK reads its position instead of the event's.
-  void move(int x, int y) {
+  void move_pointer(int x, int y) {
     XWarpPointer(display_.get(), None, window_, 0, 0, 0, 0, x, y);
     XSync(display_.get(), False);
   }
@@ -65,7 +65,7 @@ class Person {
   }
 
   // What the screen shows of the window: 3 bytes a pixel, rows from the bottom.
-  std::vector<std::uint8_t> look(unsigned width, unsigned height) {
+  std::vector<std::uint8_t> read_pixels(unsigned width, unsigned height) {
     std::vector<std::uint8_t> rgb;
     XImage* const image = XGetImage(display_.get(), window_, 0, 0, width, height, AllPlanes, ZPixmap);
     if (image == nullptr) return rgb;
@@ -91,9 +91,9 @@ class Person {
   ::Window find_window(::Window from) {
     char* name = nullptr;
     if (XFetchName(display_.get(), from, &name) != 0 && name != nullptr) {
-      const bool ours = std::strcmp(name, "Hapton") == 0;
+      const bool is_ours = std::strcmp(name, "Hapton") == 0;
       XFree(name);
-      if (ours) return from;
+      if (is_ours) return from;
     }
     ::Window root = 0, parent = 0;
     ::Window* children = nullptr;

@@ -7,7 +7,7 @@
 //   pending_after=N      the runtime says after N frames that it is about to end
 //   exit_after=N         the runtime ends the session after N frames
 //   stop_after=N stop_ms=N   the program gets SIGINT after N frames; N ms after the runtime is lost or says that it is about to end
-//   crooked_from=N crooked_to=N                      frames whose poses are flagged as valid, though the right eye's is not a pose
+//   crooked_from=N crooked_to=N                      frames whose poses are flagged as valid, though the right eye's is not a rotation
 //   still=N              the head is always where it is in frame N
 //   opengl_9             requires OpenGL 9, which does not exist
 //   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that need no drawing; frames without a pose (_to: the first one after them)
@@ -47,9 +47,9 @@ namespace {
 
 using namespace hapton;
 
-constexpr std::size_t kImages = 3;
+constexpr std::size_t kImagesPerSwapchain = 3;
 
-// Handles are addresses of these bytes, whose values nobody reads.
+// Handles are addresses of these bytes, whose values nobody reads. 0: the instance, 1: the session, 2: the space; then the swapchains.
 char g_handles[8];
 template <class Handle>
 Handle handle(int number) {
@@ -73,7 +73,7 @@ struct Chain {
   std::vector<GLuint> textures;
   int next = 0;
   int acquired = -1;
-  bool is_waited = false;
+  bool is_image_ready = false;
   int shown = -1;  // index of the texture that was released last; -1: none
 };
 
@@ -81,17 +81,17 @@ struct Mock {
   std::map<std::string, std::string> words = read_words();
   std::deque<XrEventDataSessionStateChanged> events;
   std::vector<Chain> chains;
-  bool asked_for_opengl = false;
+  bool has_queried_opengl_version = false;
   bool is_running = false;
-  bool is_waited = false;
-  bool is_begun = false;
-  bool is_stage = false;
+  bool is_frame_awaited = false;
+  bool is_frame_begun = false;
+  bool is_space_stage = false;
   bool is_dead = false;
   int frames = 0;  // number of frames that the program has waited for
 
   bool has(const std::string& word) const { return words.contains(word); }
   int number(const std::string& word, int otherwise) const { return has(word) ? std::stoi(words.at(word)) : otherwise; }
-  bool is_in(const std::string& what) const {
+  bool is_frame_in_range(const std::string& what) const {
     return frames - 1 >= number(what + "_from", 1 << 30) && frames - 1 < number(what + "_to", 1 << 30);
   }
   void stop_later() const {
@@ -101,7 +101,7 @@ struct Mock {
       kill(getpid(), SIGINT);
     }).detach();
   }
-  // Whether the runtime is lost at that call.
+  // Whether the runtime is lost at this call, or has been lost before.
   bool is_lost(const std::string& call) {
     const bool is_first = !has("lose_in") || words.at("lose_in") == call;
     if (is_dead || !is_first || frames <= number("lose_after", 1 << 30)) return is_dead;
@@ -127,7 +127,7 @@ struct Mock {
 Mock g_mock;
 
 // Ends a call with an error if the runtime is lost.
-#define MOCK_LIVES(call) \
+#define MOCK_RETURN_IF_LOST(call) \
   if (g_mock.is_lost(call)) return XR_ERROR_INSTANCE_LOST
 
 template <class T>
@@ -148,9 +148,9 @@ XrResult enumerate_extensions(const char*, uint32_t capacity, uint32_t* count, X
 }
 
 XrResult create_instance(const XrInstanceCreateInfo* info, XrInstance* made) {
-  const bool is_asked =
+  const bool enables_opengl =
       info->enabledExtensionCount == 1 && std::strcmp(info->enabledExtensionNames[0], XR_KHR_OPENGL_ENABLE_EXTENSION_NAME) == 0;
-  if (!is_asked) return XR_ERROR_EXTENSION_NOT_PRESENT;
+  if (!enables_opengl) return XR_ERROR_EXTENSION_NOT_PRESENT;
   *made = handle<XrInstance>(0);
   return XR_SUCCESS;
 }
@@ -160,8 +160,8 @@ XrResult destroy_instance(XrInstance) {
   return XR_SUCCESS;
 }
 
-XrResult instance_properties(XrInstance, XrInstanceProperties* facts) {
-  std::strcpy(facts->runtimeName, "Mock");
+XrResult instance_properties(XrInstance, XrInstanceProperties* properties) {
+  std::strcpy(properties->runtimeName, "Mock");
   return XR_SUCCESS;
 }
 
@@ -185,20 +185,21 @@ XrResult blend_modes(XrInstance, XrSystemId, XrViewConfigurationType, uint32_t c
   return list(std::vector<XrEnvironmentBlendMode>{XR_ENVIRONMENT_BLEND_MODE_OPAQUE}, capacity, count, into);
 }
 
-XrResult opengl_requirements(XrInstance, XrSystemId, XrGraphicsRequirementsOpenGLKHR* wanted) {
-  wanted->minApiVersionSupported = XR_MAKE_VERSION(g_mock.has("opengl_9") ? 9ULL : 3ULL, 2ULL, 0ULL);
-  wanted->maxApiVersionSupported = XR_MAKE_VERSION(9ULL, 9ULL, 0ULL);
-  g_mock.asked_for_opengl = true;
+XrResult opengl_requirements(XrInstance, XrSystemId, XrGraphicsRequirementsOpenGLKHR* requirements) {
+  requirements->minApiVersionSupported = XR_MAKE_VERSION(g_mock.has("opengl_9") ? 9ULL : 3ULL, 2ULL, 0ULL);
+  requirements->maxApiVersionSupported = XR_MAKE_VERSION(9ULL, 9ULL, 0ULL);
+  g_mock.has_queried_opengl_version = true;
   return XR_SUCCESS;
 }
 
 XrResult create_session(XrInstance, const XrSessionCreateInfo* info, XrSession* made) {
-  if (!g_mock.asked_for_opengl) return XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING;
+  if (!g_mock.has_queried_opengl_version) return XR_ERROR_GRAPHICS_REQUIREMENTS_CALL_MISSING;
   const auto* binding = static_cast<const XrGraphicsBindingOpenGLXlibKHR*>(info->next);
-  const bool is_whole = binding != nullptr && binding->type == XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR && binding->xDisplay != nullptr &&
-                        binding->glxFBConfig != nullptr && binding->visualid != 0 && binding->glxContext == glXGetCurrentContext() &&
-                        binding->glxDrawable == glXGetCurrentDrawable() && glXGetCurrentContext() != nullptr;
-  if (!is_whole) return XR_ERROR_GRAPHICS_DEVICE_INVALID;
+  const bool is_complete = binding != nullptr && binding->type == XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR &&
+                           binding->xDisplay != nullptr && binding->glxFBConfig != nullptr && binding->visualid != 0 &&
+                           binding->glxContext == glXGetCurrentContext() && binding->glxDrawable == glXGetCurrentDrawable() &&
+                           glXGetCurrentContext() != nullptr;
+  if (!is_complete) return XR_ERROR_GRAPHICS_DEVICE_INVALID;
   *made = handle<XrSession>(1);
   g_mock.enter(XR_SESSION_STATE_IDLE);
   g_mock.enter(XR_SESSION_STATE_READY);
@@ -208,8 +209,8 @@ XrResult create_session(XrInstance, const XrSessionCreateInfo* info, XrSession* 
 XrResult destroy_session(XrSession) { return XR_SUCCESS; }
 
 XrResult create_space(XrSession, const XrReferenceSpaceCreateInfo* info, XrSpace* made) {
-  g_mock.is_stage = info->referenceSpaceType == XR_REFERENCE_SPACE_TYPE_STAGE;
-  if (g_mock.is_stage && g_mock.has("no_stage")) return XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
+  g_mock.is_space_stage = info->referenceSpaceType == XR_REFERENCE_SPACE_TYPE_STAGE;
+  if (g_mock.is_space_stage && g_mock.has("no_stage")) return XR_ERROR_REFERENCE_SPACE_UNSUPPORTED;
   *made = handle<XrSpace>(2);
   return XR_SUCCESS;
 }
@@ -223,17 +224,17 @@ XrResult formats(XrSession, uint32_t capacity, uint32_t* count, int64_t* into) {
 }
 
 XrResult create_chain(XrSession, const XrSwapchainCreateInfo* info, XrSwapchain* made) {
-  GLint before = 0;
-  glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
+  GLint previous_binding = 0;
+  glGetIntegerv(GL_TEXTURE_BINDING_2D, &previous_binding);
   Chain chain;
-  chain.textures.resize(kImages);
-  glGenTextures(kImages, chain.textures.data());
+  chain.textures.resize(kImagesPerSwapchain);
+  glGenTextures(kImagesPerSwapchain, chain.textures.data());
   for (const GLuint texture : chain.textures) {
     glBindTexture(GL_TEXTURE_2D, texture);
     glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(info->format), static_cast<GLsizei>(info->width), static_cast<GLsizei>(info->height),
                  0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   }
-  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(before));
+  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(previous_binding));
   g_mock.log(fmt::format("format {:#x}", info->format));
   g_mock.chains.push_back(chain);
   *made = handle<XrSwapchain>(2 + static_cast<int>(g_mock.chains.size()));
@@ -250,7 +251,7 @@ Chain* find_chain(XrSwapchain swapchain) {
 XrResult destroy_chain(XrSwapchain swapchain) {
   Chain* chain = find_chain(swapchain);
   if (chain == nullptr) return XR_ERROR_HANDLE_INVALID;
-  glDeleteTextures(kImages, chain->textures.data());
+  glDeleteTextures(kImagesPerSwapchain, chain->textures.data());
   return XR_SUCCESS;
 }
 
@@ -261,35 +262,35 @@ XrResult chain_images(XrSwapchain swapchain, uint32_t capacity, uint32_t* count,
 }
 
 XrResult acquire(XrSwapchain swapchain, const XrSwapchainImageAcquireInfo*, uint32_t* index) {
-  MOCK_LIVES("xrAcquireSwapchainImage");
+  MOCK_RETURN_IF_LOST("xrAcquireSwapchainImage");
   Chain& chain = *find_chain(swapchain);
-  if (chain.acquired >= 0 || !g_mock.is_begun) return g_mock.wrong("xrAcquireSwapchainImage");
+  if (chain.acquired >= 0 || !g_mock.is_frame_begun) return g_mock.wrong("xrAcquireSwapchainImage");
   chain.acquired = chain.next;
-  chain.next = (chain.next + 1) % static_cast<int>(kImages);
+  chain.next = (chain.next + 1) % static_cast<int>(kImagesPerSwapchain);
   *index = static_cast<uint32_t>(chain.acquired);
   return XR_SUCCESS;
 }
 
 XrResult wait_image(XrSwapchain swapchain, const XrSwapchainImageWaitInfo*) {
-  MOCK_LIVES("xrWaitSwapchainImage");
+  MOCK_RETURN_IF_LOST("xrWaitSwapchainImage");
   Chain& chain = *find_chain(swapchain);
-  if (chain.acquired < 0 || chain.is_waited) return g_mock.wrong("xrWaitSwapchainImage");
-  chain.is_waited = true;
+  if (chain.acquired < 0 || chain.is_image_ready) return g_mock.wrong("xrWaitSwapchainImage");
+  chain.is_image_ready = true;
   return XR_SUCCESS;
 }
 
 XrResult release(XrSwapchain swapchain, const XrSwapchainImageReleaseInfo*) {
-  MOCK_LIVES("xrReleaseSwapchainImage");
+  MOCK_RETURN_IF_LOST("xrReleaseSwapchainImage");
   Chain& chain = *find_chain(swapchain);
-  if (!chain.is_waited) return g_mock.wrong("xrReleaseSwapchainImage");
+  if (!chain.is_image_ready) return g_mock.wrong("xrReleaseSwapchainImage");
   chain.shown = chain.acquired;
   chain.acquired = -1;
-  chain.is_waited = false;
+  chain.is_image_ready = false;
   return XR_SUCCESS;
 }
 
 XrResult poll_event(XrInstance, XrEventDataBuffer* into) {
-  MOCK_LIVES("xrPollEvent");
+  MOCK_RETURN_IF_LOST("xrPollEvent");
   if (g_mock.events.empty()) return XR_EVENT_UNAVAILABLE;
   std::memcpy(into, &g_mock.events.front(), sizeof(XrEventDataSessionStateChanged));
   if (g_mock.events.front().state == XR_SESSION_STATE_LOSS_PENDING) g_mock.stop_later();
@@ -316,33 +317,33 @@ XrResult end_session(XrSession) {
 }
 
 XrResult request_exit(XrSession) {
-  MOCK_LIVES("xrRequestExitSession");
+  MOCK_RETURN_IF_LOST("xrRequestExitSession");
   if (!g_mock.is_running) return XR_ERROR_SESSION_NOT_RUNNING;
   g_mock.enter(XR_SESSION_STATE_STOPPING);
   g_mock.log("asked to end");
   return XR_SUCCESS;
 }
 
-XrResult wait_frame(XrSession, const XrFrameWaitInfo*, XrFrameState* due) {
-  if (!g_mock.is_running || g_mock.is_waited) return g_mock.wrong("xrWaitFrame");
+XrResult wait_frame(XrSession, const XrFrameWaitInfo*, XrFrameState* frame_state) {
+  if (!g_mock.is_running || g_mock.is_frame_awaited) return g_mock.wrong("xrWaitFrame");
   std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  due->predictedDisplayTime = mock_xr::kFirstFrameNs + g_mock.frames * mock_xr::kPeriodNs;
-  due->predictedDisplayPeriod = mock_xr::kPeriodNs;
+  frame_state->predictedDisplayTime = mock_xr::kFirstFrameNs + g_mock.frames * mock_xr::kPeriodNs;
+  frame_state->predictedDisplayPeriod = mock_xr::kPeriodNs;
   ++g_mock.frames;
-  MOCK_LIVES("xrWaitFrame");
-  due->shouldRender = g_mock.is_in("hide") ? XR_FALSE : XR_TRUE;
-  g_mock.is_waited = true;
+  MOCK_RETURN_IF_LOST("xrWaitFrame");
+  frame_state->shouldRender = g_mock.is_frame_in_range("hide") ? XR_FALSE : XR_TRUE;
+  g_mock.is_frame_awaited = true;
   return XR_SUCCESS;
 }
 
 XrResult begin_frame(XrSession, const XrFrameBeginInfo*) {
-  MOCK_LIVES("xrBeginFrame");
-  if (!g_mock.is_waited || g_mock.is_begun) return g_mock.wrong("xrBeginFrame");
-  g_mock.is_begun = true;
+  MOCK_RETURN_IF_LOST("xrBeginFrame");
+  if (!g_mock.is_frame_awaited || g_mock.is_frame_begun) return g_mock.wrong("xrBeginFrame");
+  g_mock.is_frame_begun = true;
   return XR_SUCCESS;
 }
 
-XrPosef posed(const Pose& X) {
+XrPosef to_xr_pose(const Pose& X) {
   const Quat q(X.linear());
   const Vec3 p = X.translation();
   return {{static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()), static_cast<float>(q.w())},
@@ -350,7 +351,7 @@ XrPosef posed(const Pose& X) {
 }
 
 // The newest frame, not after this one, whose pose is known.
-int frame_seen(int frame) {
+int newest_frame_with_pose(int frame) {
   for (const std::string what : {"blind", "crooked"}) {
     const int from = g_mock.number(what + "_from", 1 << 30);
     if (frame >= from && frame < g_mock.number(what + "_to", 1 << 30)) return from - 1;
@@ -360,12 +361,12 @@ int frame_seen(int frame) {
 
 std::array<XrView, 2> views_at(int frame) {
   std::array<XrView, 2> views{};
-  const auto eyes = mock_xr::eyes_at(g_mock.number("still", frame_seen(frame)));
+  const auto eyes = mock_xr::eyes_at(g_mock.number("still", newest_frame_with_pose(frame)));
   for (std::size_t i = 0; i < 2; ++i) {
     Pose X = eyes[i].X_FE;
-    if (g_mock.is_stage) X.pretranslate(mock_xr::kLocalInStage);
+    if (g_mock.is_space_stage) X.pretranslate(mock_xr::kLocalInStage);
     views[i].type = XR_TYPE_VIEW;
-    views[i].pose = posed(X);
+    views[i].pose = to_xr_pose(X);
     const FieldOfView& fov = eyes[i].fov;
     views[i].fov = {static_cast<float>(fov.left_rad), static_cast<float>(fov.right_rad), static_cast<float>(fov.up_rad),
                     static_cast<float>(fov.down_rad)};
@@ -374,23 +375,23 @@ std::array<XrView, 2> views_at(int frame) {
 }
 
 XrResult locate_views(XrSession, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity, uint32_t* count, XrView* into) {
-  MOCK_LIVES("xrLocateViews");
+  MOCK_RETURN_IF_LOST("xrLocateViews");
   if ((info->displayTime - mock_xr::kFirstFrameNs) % mock_xr::kPeriodNs != 0) return XR_ERROR_TIME_INVALID;
   const int frame = static_cast<int>((info->displayTime - mock_xr::kFirstFrameNs) / mock_xr::kPeriodNs);
   auto views = views_at(frame);
-  const bool is_crooked = g_mock.is_in("crooked");
+  const bool is_crooked = g_mock.is_frame_in_range("crooked");
   if (is_crooked) views[1].pose.orientation = {0, 0, 0, 0};
   state->viewStateFlags =
-      frame_seen(frame) == frame || is_crooked ? XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT : 0;
+      newest_frame_with_pose(frame) == frame || is_crooked ? XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT : 0;
   return list(std::vector<XrView>(views.begin(), views.end()), capacity, count, into);
 }
 
 void write_picture(const std::string& name, GLuint texture) {
-  GLint before = 0;
+  GLint previous_binding = 0;
   GLint width = 0;
   GLint height = 0;
   GLint alignment = 0;
-  glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
+  glGetIntegerv(GL_TEXTURE_BINDING_2D, &previous_binding);
   glGetIntegerv(GL_PACK_ALIGNMENT, &alignment);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glBindTexture(GL_TEXTURE_2D, texture);
@@ -399,24 +400,25 @@ void write_picture(const std::string& name, GLuint texture) {
   const std::size_t row = 3 * static_cast<std::size_t>(width);
   std::vector<char> rgb(row * static_cast<std::size_t>(height));
   glGetTexImage(GL_TEXTURE_2D, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
-  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(before));
+  glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(previous_binding));
   glPixelStorei(GL_PACK_ALIGNMENT, alignment);
   std::ofstream file(name, std::ios::binary);
   file << "P6 " << width << ' ' << height << " 255\n";
   for (int y = height - 1; y >= 0; --y) file.write(&rgb[row * static_cast<std::size_t>(y)], static_cast<std::streamsize>(row));
 }
 
-bool is_ours(const XrCompositionLayerProjectionView& shown, const XrView& view, int eye) {
-  const XrRect2Di& part = shown.subImage.imageRect;
-  return std::memcmp(&shown.pose, &view.pose, sizeof view.pose) == 0 && std::memcmp(&shown.fov, &view.fov, sizeof view.fov) == 0 &&
-         part.offset.x == 0 && part.offset.y == 0 && part.extent.width == g_mock.number("width", 320) &&
-         part.extent.height == g_mock.number("height", 352) && shown.subImage.swapchain == handle<XrSwapchain>(3 + eye);
+bool is_view_as_located(const XrCompositionLayerProjectionView& layer_view, const XrView& view, int eye) {
+  const XrRect2Di& part = layer_view.subImage.imageRect;
+  return std::memcmp(&layer_view.pose, &view.pose, sizeof view.pose) == 0 &&
+         std::memcmp(&layer_view.fov, &view.fov, sizeof view.fov) == 0 && part.offset.x == 0 && part.offset.y == 0 &&
+         part.extent.width == g_mock.number("width", 320) && part.extent.height == g_mock.number("height", 352) &&
+         layer_view.subImage.swapchain == handle<XrSwapchain>(3 + eye);
 }
 
 XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
-  MOCK_LIVES("xrEndFrame");
-  if (!g_mock.is_begun) return g_mock.wrong("xrEndFrame");
-  g_mock.is_waited = g_mock.is_begun = false;
+  MOCK_RETURN_IF_LOST("xrEndFrame");
+  if (!g_mock.is_frame_begun) return g_mock.wrong("xrEndFrame");
+  g_mock.is_frame_awaited = g_mock.is_frame_begun = false;
   const int frame = g_mock.frames - 1;
   if (info->displayTime != mock_xr::kFirstFrameNs + frame * mock_xr::kPeriodNs) return XR_ERROR_TIME_INVALID;
   g_mock.log(fmt::format("frame {} layers {}", frame, info->layerCount));
@@ -426,7 +428,7 @@ XrResult end_frame(XrSession, const XrFrameEndInfo* info) {
     const auto views = views_at(frame);
     for (int eye = 0; eye < 2; ++eye) {
       const Chain& chain = g_mock.chains[static_cast<std::size_t>(eye)];
-      if (!is_ours(layer->views[eye], views[static_cast<std::size_t>(eye)], eye) || chain.shown < 0)
+      if (!is_view_as_located(layer->views[eye], views[static_cast<std::size_t>(eye)], eye) || chain.shown < 0)
         g_mock.log("wrong: a view of the layer");
       if (!g_mock.has("out") || chain.shown < 0) continue;
       write_picture(fmt::format("{}/frame_{:03}_{}.ppm", g_mock.words.at("out"), frame, eye),

@@ -12,7 +12,7 @@
 namespace hapton::mock_xr {
 
 inline constexpr std::int64_t kFirstFrameNs = 5'000'000'000;
-inline constexpr std::int64_t kPeriodNs = 11'111'111;
+inline constexpr std::int64_t kPeriodNs = 11'111'111;  // 90 Hz
 // The origin of LOCAL in frame STAGE: the stage's origin is on the floor below the eyes, a little to the left and ahead.
 inline const Vec3 kLocalInStage(0.05, 1.3, 0.05);
 
