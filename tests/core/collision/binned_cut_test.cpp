@@ -12,16 +12,16 @@
 namespace hapton {
 namespace {
 
-struct Binned {
+struct BinnedBox {
   FloatBox box;
   int bin = 0;
 };
 
 // Boxes in bins by their places along one axis, in the order of the bins. Some bins are empty.
-std::vector<Binned> boxes_in_bins(std::uint64_t seed, int count, int axis) {
+std::vector<BinnedBox> boxes_in_bins(std::uint64_t seed, int count, int axis) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-  std::vector<Binned> items;
+  std::vector<BinnedBox> items;
   for (int i = 0; i < count; ++i) {
     std::array<float, 3> low = {};
     for (float& x : low) x = unit(random) * unit(random);
@@ -29,17 +29,17 @@ std::vector<Binned> boxes_in_bins(std::uint64_t seed, int count, int axis) {
     items.push_back({.box = {Float4(low[0], low[1], low[2], 0.0F), Float4(low[0] + size, low[1] + size, low[2] + 2.0F * size, 0.0F)},
                      .bin = std::min(kCutBins - 1, static_cast<int>(low[static_cast<std::size_t>(axis)] * kCutBins))});
   }
-  std::sort(items.begin(), items.end(), [](const Binned& a, const Binned& b) { return a.bin < b.bin; });
+  std::sort(items.begin(), items.end(), [](const BinnedBox& a, const BinnedBox& b) { return a.bin < b.bin; });
   return items;
 }
 
-CutBins bins_of(const std::vector<Binned>& items) {
+CutBins bins_of(const std::vector<BinnedBox>& items) {
   CutBins bins;
-  for (const Binned& item : items) bins[static_cast<std::size_t>(item.bin)].add(item.box, item.box.twice_centre());
+  for (const BinnedBox& item : items) bins[static_cast<std::size_t>(item.bin)].add(item.box, item.box.twice_centre());
   return bins;
 }
 
-ItemRun run_of(const std::vector<Binned>& items, std::uint32_t begin, std::uint32_t end) {
+ItemRun run_of(const std::vector<BinnedBox>& items, std::uint32_t begin, std::uint32_t end) {
   ItemRun run{.begin = begin, .end = end};
   for (std::uint32_t i = begin; i < end; ++i) run.grow(items[i].box);
   return run;
@@ -56,13 +56,13 @@ TEST(BinnedCut, IsTheCheapestOfAllWithItsSides) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     const int count = seed % 3 == 0 ? 3 : 200;
-    std::array<std::vector<Binned>, 3> items;
+    std::array<std::vector<BinnedBox>, 3> items;
     BinnedCut cut;
     float cheapest = std::numeric_limits<float>::infinity();
     int axis = -1;
     std::uint32_t middle = 0;
     for (int k = 0; k < 3; ++k) {
-      std::vector<Binned>& along = items[static_cast<std::size_t>(k)];
+      std::vector<BinnedBox>& along = items[static_cast<std::size_t>(k)];
       along = boxes_in_bins(10 * seed + static_cast<std::uint64_t>(k), count, k);
       cut.consider(bins_of(along), k, static_cast<std::uint32_t>(count));
       for (std::uint32_t m = 1; m < along.size(); ++m) {
@@ -80,7 +80,7 @@ TEST(BinnedCut, IsTheCheapestOfAllWithItsSides) {
     EXPECT_EQ(cut.cost, cheapest);
     ASSERT_EQ(cut.axis, axis);
     if (axis < 0) continue;
-    const std::vector<Binned>& of_axis = items[static_cast<std::size_t>(axis)];
+    const std::vector<BinnedBox>& of_axis = items[static_cast<std::size_t>(axis)];
     EXPECT_LE(of_axis[middle - 1].bin, cut.bin);
     EXPECT_GT(of_axis[middle].bin, cut.bin);
     const auto all = static_cast<std::uint32_t>(count);
@@ -96,15 +96,15 @@ TEST(BinnedCut, IsTheCheapestOfAllWithItsSides) {
 }
 
 TEST(BinnedCut, ThereIsNoneWhereAllAreInOneBin) {
-  std::vector<Binned> items = boxes_in_bins(1, 20, 0);
-  for (Binned& item : items) item.bin = 7;
+  std::vector<BinnedBox> items = boxes_in_bins(1, 20, 0);
+  for (BinnedBox& item : items) item.bin = 7;
   BinnedCut cut;
   cut.consider(bins_of(items), 0, 20);
   EXPECT_EQ(cut.axis, -1);
 }
 
 TEST(BinnedCut, JoinedBinsAreTheBinOfAllTheirItems) {
-  const std::vector<Binned> items = boxes_in_bins(2, 40, 1);
+  const std::vector<BinnedBox> items = boxes_in_bins(2, 40, 1);
   CutBin first, last, all;
   for (std::size_t i = 0; i < items.size(); ++i) {
     (i % 2 == 0 ? first : last).add(items[i].box, items[i].box.twice_centre());

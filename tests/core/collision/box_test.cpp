@@ -29,7 +29,7 @@ TEST(Box, OfPointsIsTheSmallestThatHoldsThem) {
   EXPECT_TRUE(Box::of({}).is_empty());
 }
 
-TEST(Box, TouchingBoxesOverlapAndPartedOnesDoNot) {
+TEST(Box, TouchingBoxesOverlapAndSeparateOnesDoNot) {
   const Box box = Box::around({0, 0, 0}, {1, 1, 1});
   EXPECT_TRUE(box.overlaps(Box::around({1, 1, 1}, {2, 2, 2})));
   EXPECT_FALSE(box.overlaps(Box::around({1.001, 0, 0}, {2, 1, 1})));

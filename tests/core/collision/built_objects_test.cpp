@@ -33,17 +33,17 @@ BuiltObjects build_all(const BuiltMeshes& meshes) {
     scene.grow(boxes.back());
   }
   built.frame = TouchGeometry::frame_of(scene);
-  std::vector<std::shared_ptr<const ObjectGeometry>> plain;
+  std::vector<std::shared_ptr<const ObjectGeometry>> unmarked;
   for (std::size_t o = 0; o < meshes.size(); ++o) {
     built.bounds.push_back(TouchGeometry::local_bounds(built.frame, boxes[o]));
-    plain.push_back(
+    unmarked.push_back(
         std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*meshes[o], built.frame, TouchGeometry::most_triangles(meshes))));
   }
-  built.objects = MarkedObjects().update(plain, built.bounds);
+  built.objects = MarkedObjects().update(unmarked, built.bounds);
   return built;
 }
 
-TEST(BuiltObjects, AreOfTheirMeshesAndNormalsAlone) {
+TEST(BuiltObjects, AreBuiltFromTheirMeshesAndCreaseAlone) {
   const BuiltMeshes meshes = make_built_meshes();
   BuiltObjects built;
   built.meshes = meshes;
@@ -64,25 +64,25 @@ TEST(BuiltObjects, AreOfTheirMeshesAndNormalsAlone) {
 // Compares numbers of triangles, marks, adjacency and queries.
 TEST(BuiltObjects, MakeTheGeometryThatTheirMeshesMake) {
   const BuiltMeshes meshes = make_built_meshes();
-  const TouchGeometry anew(meshes);
-  const TouchGeometry shared(build_all(meshes));
-  EXPECT_EQ(shared.origin(), anew.origin());
-  EXPECT_EQ(shared.unit_m(), anew.unit_m());
-  EXPECT_EQ(shared.object_bits(), anew.object_bits());
-  EXPECT_EQ(shared.waiting_count(), 0U);
-  EXPECT_EQ(shared.built_count(), 4U);
-  EXPECT_EQ(shared.bytes(), anew.bytes());
+  const TouchGeometry from_meshes(meshes);
+  const TouchGeometry from_objects(build_all(meshes));
+  EXPECT_EQ(from_objects.origin(), from_meshes.origin());
+  EXPECT_EQ(from_objects.unit_m(), from_meshes.unit_m());
+  EXPECT_EQ(from_objects.object_bits(), from_meshes.object_bits());
+  EXPECT_EQ(from_objects.waiting_count(), 0U);
+  EXPECT_EQ(from_objects.built_count(), 4U);
+  EXPECT_EQ(from_objects.bytes(), from_meshes.bytes());
   std::vector<std::uint32_t> all;
-  anew.for_each_overlapping(Box{Vec3::Constant(-2.0), Vec3::Constant(2.0)}, [&](std::uint32_t id) { all.push_back(id); });
-  ASSERT_EQ(all.size(), anew.triangle_count());
+  from_meshes.for_each_overlapping(Box{Vec3::Constant(-2.0), Vec3::Constant(2.0)}, [&](std::uint32_t id) { all.push_back(id); });
+  ASSERT_EQ(all.size(), from_meshes.triangle_count());
   std::size_t unwalkable = 0;
   for (const std::uint32_t id : all) {
     for (int k = 0; k < 3; ++k) {
-      ASSERT_EQ(shared.corner(id, k), anew.corner(id, k));
-      ASSERT_EQ(shared.adjacent(id, k).id, anew.adjacent(id, k).id);
+      ASSERT_EQ(from_objects.corner(id, k), from_meshes.corner(id, k));
+      ASSERT_EQ(from_objects.adjacent(id, k).id, from_meshes.adjacent(id, k).id);
     }
-    ASSERT_EQ(shared.is_walkable(id), anew.is_walkable(id)) << id;
-    unwalkable += anew.is_walkable(id) ? 0 : 1;
+    ASSERT_EQ(from_objects.is_walkable(id), from_meshes.is_walkable(id)) << id;
+    unwalkable += from_meshes.is_walkable(id) ? 0 : 1;
   }
   EXPECT_GT(unwalkable, 10U) << "where cube and plate touch";
   constexpr unsigned kSeed = 31;
@@ -99,7 +99,7 @@ TEST(BuiltObjects, MakeTheGeometryThatTheirMeshesMake) {
       });
       return ids;
     };
-    ASSERT_EQ(found(shared), found(anew)) << n;
+    ASSERT_EQ(found(from_objects), found(from_meshes)) << n;
   }
 }
 

@@ -27,8 +27,8 @@ std::shared_ptr<const MeshDeformation> make_waves(const TriangleMesh& mesh, bool
       std::move(targets), std::vector<MorphKey>{{0.0, {0.0, 0.0}}, {0.3, {1.0, 0.2}}, {0.35, {0.5, 1.0}}, {1.0, {0.0, 0.0}}}, loops);
 }
 
-struct Deforming {
-  explicit Deforming(TriangleMesh of) : mesh(made::shared(std::move(of))), deformation(make_waves(*mesh, true)) {
+struct DeformingObject {
+  explicit DeformingObject(TriangleMesh of) : mesh(made::shared(std::move(of))), deformation(make_waves(*mesh, true)) {
     geometry = std::make_unique<TouchGeometry>(std::vector<std::shared_ptr<const TriangleMesh>>{mesh}, BuildPolicy::to_deform, std::nullopt,
                                                bounds_of_all_shapes(*mesh, *deformation));
     deforming = std::make_unique<DeformingGeometry>(*geometry, mesh, deformation);
@@ -46,29 +46,29 @@ TEST(DeformingGeometry, MeanEdgeOfARightTriangleAndOfNothing) {
 
 // The vertices are those of the deformed mesh at that time, rounded to the grid.
 TEST(DeformingGeometry, HasTheShapeOfEachTime) {
-  const Deforming one(made::sphere(0.05, kBands, 0.05));
+  const DeformingObject object(made::sphere(0.05, kBands, 0.05));
   for (const double time : {0.0, 0.1, 0.3, 0.32, 0.99, 1.0, 1.1, 7.77}) {
-    one.deforming->shape(time);
-    const auto expected = one.deformation->vertices_at(one.mesh->vertices, one.deformation->weights_at(time));
+    object.deforming->shape(time);
+    const auto expected = object.deformation->vertices_at(object.mesh->vertices, object.deformation->weights_at(time));
     for (std::size_t v = 0; v < expected.size(); ++v) {
-      const Vec3& is = one.geometry->deforming_object().vertices()[one.geometry->new_vertex()[v]];
-      EXPECT_LE((is - one.geometry->to_local(expected[v])).norm(), 0x1p-50) << "at " << time << " s";
-      for (int k = 0; k < 3; ++k) EXPECT_EQ(std::ldexp(is[k], 51), std::rint(std::ldexp(is[k], 51))) << "on the grid";
+      const Vec3& actual = object.geometry->deforming_object().vertices()[object.geometry->new_vertex()[v]];
+      EXPECT_LE((actual - object.geometry->to_local(expected[v])).norm(), 0x1p-50) << "at " << time << " s";
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(std::ldexp(actual[k], 51), std::rint(std::ldexp(actual[k], 51))) << "on the grid";
     }
   }
 }
 
 // Brute force: every triangle near a query point is found, whichever of the trees is in use.
 TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
-  const Deforming one(made::sphere(0.05, kBands, 0.05));
-  EXPECT_GT(one.deforming->tree_count(), 5U);
+  const DeformingObject object(made::sphere(0.05, kBands, 0.05));
+  EXPECT_GT(object.deforming->tree_count(), 5U);
   std::mt19937_64 random(6);
   SCOPED_TRACE("seed 6");
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 400; ++i) {
-    one.deforming->shape(1.5 + 1.5 * unit(random));
-    const auto triangles = static_cast<std::uint32_t>(one.mesh->triangles.size());
-    expect_found_in_trees(*one.geometry, triangles, Vec3(unit(random), unit(random), unit(random)));
+    object.deforming->shape(1.5 + 1.5 * unit(random));
+    const auto triangles = static_cast<std::uint32_t>(object.mesh->triangles.size());
+    expect_found_in_trees(*object.geometry, triangles, Vec3(unit(random), unit(random), unit(random)));
   }
 }
 
@@ -91,21 +91,21 @@ TEST(DeformingGeometry, OneTreeIsEnoughForWhatHardlyMoves) {
   EXPECT_EQ(DeformingGeometry(geometry, mesh, deformation).tree_count(), 1U);
 }
 
-TEST(DeformingGeometry, SaysWhereASurfaceComesUponItself) {
-  TriangleMesh two = made::sheet(0.05, 0.0, 4);
-  EXPECT_TRUE(check_shapes(two, *make_waves(two, false)));
+TEST(DeformingGeometry, NamesTheTimeAtWhichASurfaceTouchesItself) {
+  TriangleMesh sheets = made::sheet(0.05, 0.0, 4);
+  EXPECT_TRUE(check_shapes(sheets, *make_waves(sheets, false)));
   const TriangleMesh above = made::sheet(0.04, 0.01, 4);
-  const auto shift = static_cast<std::uint32_t>(two.vertices.size());
-  two.vertices.insert(two.vertices.end(), above.vertices.begin(), above.vertices.end());
-  for (const Triangle& t : above.triangles) two.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+  const auto shift = static_cast<std::uint32_t>(sheets.vertices.size());
+  sheets.vertices.insert(sheets.vertices.end(), above.vertices.begin(), above.vertices.end());
+  for (const Triangle& t : above.triangles) sheets.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
   MorphTarget down;
-  for (std::uint32_t v = shift; v < two.vertices.size(); ++v) {
+  for (std::uint32_t v = shift; v < sheets.vertices.size(); ++v) {
     down.vertices.push_back(v);
     down.displacements.push_back({0, 0, -0.02});
   }
   // Half-way between its keys the upper sheet lies in the plane of the lower one.
   const MeshDeformation through({down}, {{0.0, {0.0}}, {1.0, {1.0}}}, false);
-  const auto checked = check_shapes(two, through);
+  const auto checked = check_shapes(sheets, through);
   ASSERT_FALSE(checked);
   EXPECT_TRUE(
       check_shapes(made::box({0, 0, 0}, {1, 1, 1}), MeshDeformation({{{0}, {Vec3(-1, -1, -1)}}}, {{0.0, {0.0}}, {1.0, {1.0}}}, false)));

@@ -37,7 +37,7 @@ TEST(FdhHierarchy, EmptyVisitsNothing) {
 }
 
 // The first three axes are those of the box. A query that is outside on a single axis, of the box or another one, must be rejected.
-TEST(FdhHierarchy, EveryAxisCanTurnAway) {
+TEST(FdhHierarchy, EveryAxisCanRejectAQuery) {
   FdhTopology topology;
   FdhTopology::Children only;
   only.fill(FdhTopology::kNothing);

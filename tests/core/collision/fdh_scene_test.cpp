@@ -44,9 +44,9 @@ struct Objects {
 };
 
 template <int K>
-void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& draw) {
+void expect_queries_as_brute_force(const Objects& objects, const FdhScene<K>& scene, Objects& directions) {
   for (int i = 0; i < 60; ++i) {
-    const Vec3 p = 0.6 * draw.direction();
+    const Vec3 p = 0.6 * directions.direction();
     const double radius = 0.02 * (i % 5);
     std::set<std::pair<std::uint32_t, std::uint32_t>> visited;
     scene.for_each_overlapping(FdhBall{p, radius}, [&](std::uint32_t o, std::uint32_t t) { visited.insert({o, t}); });
@@ -61,9 +61,9 @@ void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& dr
         EXPECT_FALSE(visited.count({o, t}));
       }
     });
-    FdhNearest first(1, std::numeric_limits<double>::infinity());
-    scene.collect_nearest(p, p, first);
-    const auto one = first.finish();
+    FdhNearest nearest_one(1, std::numeric_limits<double>::infinity());
+    scene.collect_nearest(p, p, nearest_one);
+    const auto one = nearest_one.finish();
     ASSERT_EQ(one.size(), 1U);
     const FdhNear& found = one[0];
     EXPECT_EQ(found.distance_squared, best.distance_squared);
@@ -81,7 +81,7 @@ void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& dr
       }
     });
 
-    const Vec3 q = 0.6 * draw.direction();
+    const Vec3 q = 0.6 * directions.direction();
     visited.clear();
     scene.for_each_overlapping(FdhSweep{p, q, 0.003}, [&](std::uint32_t o, std::uint32_t t) { visited.insert({o, t}); });
     objects.for_each([&](std::uint32_t o, std::uint32_t t) {
@@ -99,13 +99,13 @@ void check_scene() {
     Objects objects(count);
     auto scene = objects.build<K>();
     ASSERT_TRUE(scene) << scene.error().what;
-    Objects draw(0);
-    check_queries<K>(objects, *scene, draw);
+    Objects directions(0);  // only a source of random directions
+    expect_queries_as_brute_force<K>(objects, *scene, directions);
     std::vector<Vec3> moved = objects.meshes[0].vertices;
     for (Vec3& v : moved) v = 1.5 * v + Vec3(0.3, 0.4, -0.6);
     ASSERT_TRUE(scene->refit(0, moved));
     objects.meshes[0].vertices = moved;
-    check_queries<K>(objects, *scene, draw);
+    expect_queries_as_brute_force<K>(objects, *scene, directions);
     EXPECT_FALSE(scene->refit(static_cast<std::uint32_t>(count), moved));
   }
 }

@@ -45,13 +45,13 @@ const std::vector<NamedMesh>& meshes() {
 }
 
 // Query points about the mesh: near triangles, exactly at corners, around the box, far away.
-struct Points {
+struct QueryPoints {
   const TriangleMesh& mesh;
   std::mt19937_64 random{41};
   std::uniform_real_distribution<double> unit{-1.0, 1.0};
   double size = 0.0;
 
-  explicit Points(const TriangleMesh& m) : mesh(m) {
+  explicit QueryPoints(const TriangleMesh& m) : mesh(m) {
     Vec3 low = m.vertices[0];
     Vec3 high = low;
     for (const Vec3& v : m.vertices) {
@@ -84,19 +84,19 @@ struct Directions {
 using AllDirections = testing::Types<Directions<6>, Directions<14>, Directions<18>, Directions<26>>;
 TYPED_TEST_SUITE(FdhTreeOf, AllDirections);
 
-// Expects that every wanted triangle is visited, once, and that only allowed ones are visited.
-template <class Tree, class Query, class Wanted, class Allowed>
-void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted,
-                 Allowed&& allowed) {
+// Expects that every required triangle is visited, once, and only allowed ones.
+template <class Tree, class Query, class Required, class Allowed>
+void expect_visits(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Required&& required,
+                   Allowed&& allowed) {
   Ids visited;
-  tree.for_each_overlapping(query, [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << what << ": twice"; });
+  tree.for_each_overlapping(query, [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << what << ": visited twice"; });
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const bool in = visited.count(t) > 0;
-    if (wanted(t)) {
-      EXPECT_TRUE(in) << what << ": triangle " << t << " is missing";
+    const bool is_visited = visited.count(t) > 0;
+    if (required(t)) {
+      EXPECT_TRUE(is_visited) << what << ": triangle " << t << " is missing";
     }
-    if (in) {
-      EXPECT_TRUE(allowed(t)) << what << ": triangle " << t << " is too much";
+    if (is_visited) {
+      EXPECT_TRUE(allowed(t)) << what << ": triangle " << t << " should not be visited";
     }
   }
 }
@@ -105,12 +105,12 @@ TYPED_TEST(FdhTreeOf, BallFindsWhatBruteForceFinds) {
   for (const auto& [name, mesh] : meshes()) {
     const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
     ASSERT_TRUE(tree) << tree.error().what;
-    Points points(mesh);
+    QueryPoints points(mesh);
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = points.make(i);
       const double radius = points.size * (i % 5) * 0.04;
       const double tolerance = 1e-12 * (points.size + p.norm());
-      expect_twin(
+      expect_visits(
           *tree, mesh, FdhBall{p, radius}, name, [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius; },
           [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius + tolerance; });
     }
@@ -121,7 +121,7 @@ TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
   for (const auto& [name, mesh] : meshes()) {
     const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
     ASSERT_TRUE(tree);
-    Points points(mesh);
+    QueryPoints points(mesh);
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = points.make(i);
       Vec3 q = i % 7 == 0 ? p : Vec3(p + (i % 2 == 0 ? 0.3 : 0.01) * points.size * points.direction());
@@ -133,7 +133,7 @@ TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
         return std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)),
                                                                    of3(mesh.corner(t, 2))));
       };
-      expect_twin(
+      expect_visits(
           *tree, mesh, FdhSweep{p, q, radius}, name, [&](std::uint32_t t) { return distance(t) <= radius; },
           [&](std::uint32_t t) { return radius == 0.0 || distance(t) <= radius + tolerance; });
     }
@@ -144,7 +144,7 @@ TYPED_TEST(FdhTreeOf, NearestIsTheNearest) {
   for (const auto& [name, mesh] : meshes()) {
     const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
     ASSERT_TRUE(tree);
-    Points points(mesh);
+    QueryPoints points(mesh);
     for (int i = 0; i < 100; ++i) {
       const Vec3 p = points.make(i);
       FdhNear best = kNothingNear;
@@ -166,7 +166,7 @@ TYPED_TEST(FdhTreeOf, NearestSetIsCompleteWithinItsRadius) {
   for (const auto& [name, mesh] : meshes()) {
     const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
     ASSERT_TRUE(tree);
-    Points points(mesh);
+    QueryPoints points(mesh);
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = points.make(i);
       const Vec3 q = i % 2 == 0 ? p : Vec3(p + 0.05 * points.size * points.direction());
@@ -209,11 +209,11 @@ TYPED_TEST(FdhTreeOf, NearestSetIsCompleteWithinItsRadiusAlsoAtTheLargestDistanc
   const auto exact = [&](std::size_t v) { return LongVec3(mesh.vertices[v].template cast<long double>()); };
   const LongVec3 normal = (exact(1) - exact(0)).cross(exact(2) - exact(0)).normalized();
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> unit(0.2, 0.4);
+  std::uniform_real_distribution<double> weight(0.2, 0.4);
   int missed = 0;
   for (int i = 0; i < 1000; ++i) {
-    const double u = unit(random);
-    const double v = unit(random);
+    const double u = weight(random);
+    const double v = weight(random);
     const Vec3 p = u * mesh.vertices[0] + v * mesh.vertices[1] + (1.0 - u - v) * mesh.vertices[2] + 1e-3 * normal.template cast<double>();
     const long double distance = (p.template cast<long double>() - exact(0)).dot(normal);
     FdhNearest nearest(1, static_cast<double>(distance * (1.0L + 1e-14L)));
@@ -233,7 +233,7 @@ TYPED_TEST(FdhTreeOf, FollowsMovedVertices) {
   for (Vec3& v : moved) v = Vec3(2.0 * v.y() + 10.0 * v.x() * v.x(), v.z(), -v.x()) + Vec3(100.0, 0.0, 0.0);
   ASSERT_TRUE(tree->refit(moved));
   mesh.vertices = moved;
-  Points points(mesh);
+  QueryPoints points(mesh);
   for (int i = 0; i < 100; ++i) {
     const Vec3 p = points.make(i);
     double best = 1e300;
@@ -244,7 +244,7 @@ TYPED_TEST(FdhTreeOf, FollowsMovedVertices) {
   EXPECT_FALSE(tree->refit(fewer));
 }
 
-TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteGetAReply) {
+TYPED_TEST(FdhTreeOf, EmptyTreesAndNonFiniteQueriesFindNothing) {
   const auto empty = FdhTree<TypeParam::kCount>::build({}, {});
   ASSERT_TRUE(empty);
   EXPECT_FALSE(std::isfinite(empty->find_nearest(Vec3::Zero()).distance_squared));
@@ -293,7 +293,7 @@ TYPED_TEST(FdhTreeOf, SweepsFromBeyondAFloatMissNothing) {
       for (const double radius : {0.0, 0.01}) {
         Ids visited;
         tree->for_each_overlapping(FdhSweep{-far * direction, far * direction, radius},
-                                   [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << far << ": twice"; });
+                                   [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << far << ": visited twice"; });
         for (const std::uint32_t t : pierced) EXPECT_TRUE(visited.count(t)) << far << ", radius " << radius << ": misses " << t;
       }
     }
@@ -311,7 +311,7 @@ TEST(FdhTree, MoreDirectionsOpenFewerLeaves) {
   const TriangleMesh mesh = made::sphere(0.05, 80, 0.1);
   const auto box = FdhTree<6>::build(mesh.vertices, mesh.triangles);
   const auto hull = FdhTree<26>::build(mesh.vertices, mesh.triangles);
-  Points points(mesh);
+  QueryPoints points(mesh);
   FdhVisits with_6;
   FdhVisits with_26;
   for (int i = 0; i < 400; ++i) {

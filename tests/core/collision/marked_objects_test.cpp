@@ -64,14 +64,14 @@ struct MarkedScene {
       put(o, Vec3::Zero(), marked_place(o));
       for (const Vec3& v : meshes[o]->vertices) box.grow(v);
     }
-    part_of = box;
+    scene_box = box;
     frame = TouchGeometry::frame_of(box);
   }
 
   void put(std::size_t object, const Vec3& turn, const Vec3& at) {
     meshes[object] =
         std::make_shared<const TriangleMesh>(scaled_and_moved(turned_mesh(marked_shape(object), turn, at), size, Vec3::Zero()));
-    plain.resize(meshes.size());
+    unmarked.resize(meshes.size());
     bounds.resize(meshes.size());
     if (frame) build(object);
   }
@@ -79,23 +79,23 @@ struct MarkedScene {
     Box box;
     for (const Vec3& v : meshes[object]->vertices) box.grow(v);
     bounds[object] = TouchGeometry::local_bounds(*frame, box);
-    plain[object] =
+    unmarked[object] =
         std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*meshes[object], *frame, TouchGeometry::most_triangles(meshes)));
   }
   MarkedList mark() {
     for (std::size_t o = 0; o < kObjects; ++o) {
-      if (plain[o] == nullptr) build(o);
+      if (unmarked[o] == nullptr) build(o);
     }
-    return marked.update(plain, bounds);
+    return marked.update(unmarked, bounds);
   }
   // Expects the same objects as when the whole scene is built at once.
   void expect_as_built_anew(const MarkedList& objects) const {
-    Box box = part_of;
+    Box box = scene_box;
     for (const auto& mesh : meshes) {
       for (const Vec3& v : mesh->vertices) box.grow(v);
     }
     ASSERT_EQ(TouchGeometry::frame_of(box).origin, frame->origin) << "the test's objects lie within its scene";
-    const TouchGeometry anew(meshes, BuildPolicy::at_once, std::nullopt, part_of);
+    const TouchGeometry anew(meshes, BuildPolicy::at_once, std::nullopt, scene_box);
     for (std::uint32_t o = 0; o < kObjects; ++o) {
       const ObjectGeometry& expected = anew.object_geometry(o);
       ASSERT_EQ(objects[o]->triangle_count(), expected.triangle_count());
@@ -109,9 +109,9 @@ struct MarkedScene {
 
   double size;
   MarkedMeshes meshes;
-  MarkedList plain;
+  MarkedList unmarked;
   std::vector<Box> bounds;
-  Box part_of;
+  Box scene_box;
   std::optional<LocalFrame> frame;
   MarkedObjects marked;
 };
@@ -123,9 +123,9 @@ TEST(MarkedObjects, OnlyObjectsThatTouchAreCopied) {
   const MarkedList first = scene.mark();
   EXPECT_GT(unwalkable_count(*first[0]), 0U) << "under the cube";
   EXPECT_GT(unwalkable_count(*first[1]), 0U);
-  for (const std::size_t o : {0, 1}) EXPECT_NE(first[o], scene.plain[o]);
-  for (const std::size_t o : {2, 3, 4}) EXPECT_EQ(first[o], scene.plain[o]) << "near none, also within another";
-  EXPECT_EQ(unwalkable_count(*scene.plain[0]), 0U) << "the plain one stays as it is";
+  for (const std::size_t o : {0, 1}) EXPECT_NE(first[o], scene.unmarked[o]);
+  for (const std::size_t o : {2, 3, 4}) EXPECT_EQ(first[o], scene.unmarked[o]) << "near none, also within another";
+  EXPECT_EQ(unwalkable_count(*scene.unmarked[0]), 0U) << "the unmarked object stays as it is";
   scene.expect_as_built_anew(first);
 }
 
@@ -137,12 +137,12 @@ TEST(MarkedObjects, WhatAMoveDoesNotConcernIsTheSameObjectAsBefore) {
   scene.put(4, {0.3, 0.2, 0.1}, {0.3, -0.3, 0.3});
   const MarkedList second = scene.mark();
   for (const std::size_t o : {0, 1, 2, 3}) EXPECT_EQ(second[o], first[o]) << o;
-  EXPECT_EQ(second[4], scene.plain[4]);
+  EXPECT_EQ(second[4], scene.unmarked[4]);
   // The cube is lifted off the table: its marks go, and the table is the unmarked object again.
   scene.put(1, Vec3::Zero(), {0.2, 0.0, 0.2});
   const MarkedList third = scene.mark();
-  EXPECT_EQ(third[0], scene.plain[0]);
-  EXPECT_EQ(third[1], scene.plain[1]);
+  EXPECT_EQ(third[0], scene.unmarked[0]);
+  EXPECT_EQ(third[1], scene.unmarked[1]);
   // The cylinder is put onto the table, and the cube onto another part of it.
   scene.put(4, Vec3::Zero(), {0.3, 0.3, 0.1});
   scene.put(1, Vec3::Zero(), {-0.3, 0.2, 0.05});
@@ -165,7 +165,7 @@ TEST(MarkedObjects, AreThoseOfASceneThatIsBuiltAnewWhateverHasMoved) {
   for (const double size : {1.0, 1e-6, 1e6}) {
     SCOPED_TRACE(testing::Message() << "seed " << kSeed << ", size " << size);
     MarkedScene scene(size);
-    std::size_t marked = 0;
+    std::size_t unwalkable = 0;
     for (int n = 0; n < 40; ++n) {
       const std::size_t object = 1 + static_cast<std::size_t>(random() % (kObjects - 1));
       const double x = 0.35 * uniform(random);
@@ -176,9 +176,9 @@ TEST(MarkedObjects, AreThoseOfASceneThatIsBuiltAnewWhateverHasMoved) {
       const MarkedList objects = scene.mark();
       scene.expect_as_built_anew(objects);
       if (testing::Test::HasFatalFailure()) return;
-      for (const auto& each : objects) marked += unwalkable_count(*each);
+      for (const auto& each : objects) unwalkable += unwalkable_count(*each);
     }
-    EXPECT_GT(marked, 500U) << "most of them touch others";
+    EXPECT_GT(unwalkable, 500U) << "most of them touch others";
   }
 }
 

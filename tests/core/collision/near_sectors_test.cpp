@@ -36,8 +36,8 @@ double sampled_angle(const NearSectors::Edges& a, const NearSectors::Edges& b) {
 
 TEST(NearSectors, NoPairThatIsNearIsLeftOut) {
   std::mt19937_64 random(2401);
-  std::normal_distribution<double> any;
-  const auto draw = [&] { return Vec3(any(random), any(random), any(random)); };
+  std::normal_distribution<double> normal;
+  const auto draw = [&] { return Vec3(normal(random), normal(random), normal(random)); };
   int found = 0;
   int left_out = 0;
   for (int round = 0; round < 60; ++round) {
@@ -70,8 +70,8 @@ TEST(NearSectors, FewPairsOfAFanAreFound) {
     constexpr int kCount = 3000;
     std::vector<NearSectors::Edges> sectors;
     const auto corner = [&](int i) {
-      const double turn = 2.0 * 3.14159265358979 * (i % kCount) / kCount;
-      return Vec3(std::cos(turn), std::sin(turn), i % 2 == 0 ? lift : -lift);
+      const double angle = 2.0 * 3.14159265358979 * (i % kCount) / kCount;
+      return Vec3(std::cos(angle), std::sin(angle), i % 2 == 0 ? lift : -lift);
     };
     for (int i = 0; i < kCount; ++i) sectors.push_back({corner(i), corner(i + 1)});
     EXPECT_LT(pairs_of(sectors, 1e-6).size(), 8U * kCount) << "lift " << lift;

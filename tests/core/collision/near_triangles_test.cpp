@@ -56,44 +56,44 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
   RecordProperty("seed", std::to_string(seed));
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const auto draw_vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
 
-  const std::vector<TriangleMesh> made = meshes(GetParam());
+  const std::vector<TriangleMesh> objects = meshes(GetParam());
   std::vector<const TriangleMesh*> pointers;
-  for (const TriangleMesh& mesh : made) pointers.push_back(&mesh);
+  for (const TriangleMesh& mesh : objects) pointers.push_back(&mesh);
   const TouchGeometry geometry(pointers);
   const std::vector<std::uint32_t> all = all_triangles(geometry);
   const auto near = std::make_unique<NearTriangles>();
   std::size_t gathered = 0;
   std::size_t visited = 0;
-  std::size_t asked = 0;
+  std::size_t offered = 0;
   for (int round = 0; round < 25; ++round) {
     // Some centres are at a corner of a triangle: the distance is zero there, and no direction gives a bound.
-    Vec3 centre = 0.6 * vector();
+    Vec3 centre = 0.6 * draw_vector();
     if (round % 4 == 1) centre = geometry.corner(all[random() % all.size()], 0);
-    if (round % 4 == 3) centre += 0.01 * vector();
+    if (round % 4 == 3) centre += 0.01 * draw_vector();
     const double within = 0.03 + 0.3 * std::fabs(unit(random));
     int queried = 0;
     ASSERT_TRUE(near->gather(geometry, centre, within, queried));
     std::set<std::uint32_t> ids;
     for (int slot = 0; slot < near->count(); ++slot) ids.insert(near->triangle(slot));
-    ASSERT_EQ(ids.size(), static_cast<std::size_t>(near->count())) << "one twice";
+    ASSERT_EQ(ids.size(), static_cast<std::size_t>(near->count())) << "a triangle was gathered twice";
     EXPECT_GE(queried, near->count());
     gathered += ids.size();
     for (const std::uint32_t id : all) ASSERT_EQ(ids.count(id) != 0, geometry.separation(id, centre).distance <= within) << id;
 
     for (int i = 0; i < 3; ++i) {
       const double distance = 0.3 * within * std::fabs(unit(random));
-      const Vec3 p = centre + (within - distance) * vector() / 2.0;
-      const Vec3 q = i == 0 ? p : Vec3(centre + (within - distance) * vector() / 2.0);
+      const Vec3 p = centre + (within - distance) * draw_vector() / 2.0;
+      const Vec3 q = i == 0 ? p : Vec3(centre + (within - distance) * draw_vector() / 2.0);
       ASSERT_TRUE(near->covers(p, distance) && near->covers(q, distance));
       std::set<int> slots;
       near->visit_near(p, q, distance, [&](int slot) {
         ASSERT_TRUE(slot >= 0 && slot < near->count());
-        ASSERT_TRUE(slots.insert(slot).second) << "one twice";
+        ASSERT_TRUE(slots.insert(slot).second) << "a slot was visited twice";
       });
       visited += slots.size();
-      asked += ids.size();
+      offered += ids.size();
       for (int slot = 0; slot < near->count(); ++slot) {
         ASSERT_LE(near->distance_bound(slot, q), near->shape(slot).separation(q).distance) << near->triangle(slot);
         if (slots.count(slot) != 0) continue;
@@ -102,7 +102,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
     }
   }
   EXPECT_GT(gathered, 200U);
-  EXPECT_LT(visited, asked / 2) << "the bounds tell little";
+  EXPECT_LT(visited, offered / 2) << "the bounds exclude few triangles";
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, NearTrianglesTest, testing::Range(0, 4));
@@ -113,12 +113,12 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const auto draw_vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   const auto near = std::make_unique<NearTriangles>();
-  int edges = 0;
+  int nearest_on_edge = 0;
   for (int mesh_number = 0; mesh_number < 40; ++mesh_number) {
     TriangleMesh mesh;
-    mesh.vertices = {vector(), vector(), vector()};
+    mesh.vertices = {draw_vector(), draw_vector(), draw_vector()};
     mesh.triangles = {{0, 1, 2}};
     const TouchGeometry geometry({&mesh});
     const ContactTriangle shape(geometry.corner(0, 0), geometry.corner(0, 1), geometry.corner(0, 2));
@@ -130,7 +130,7 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
                           std::exp2(-53.0 + unit(random)) * unit(random) * inward;
       int queried = 0;
       ASSERT_TRUE(near->gather(geometry, centre, 0.5, queried));
-      edges += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
+      nearest_on_edge += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
       // At the same height farther inward, the bound must not exceed the true distance.
       const Vec3 p = centre + 0.2 * inward;
       ASSERT_LE(near->distance_bound(0, p), shape.separation(p).distance) << "height " << height;
@@ -139,7 +139,7 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
       ASSERT_TRUE(is_visited) << "height " << height;
     }
   }
-  EXPECT_GT(edges, 100);
+  EXPECT_GT(nearest_on_edge, 100);
 }
 
 TEST(NearTriangles, TheInnerHalfOfTheBallIsCentral) {
@@ -155,7 +155,7 @@ TEST(NearTriangles, TheInnerHalfOfTheBallIsCentral) {
   EXPECT_FALSE(near->is_central(centre + Vec3(0.0, 0.101, 0.0)));
 }
 
-TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
+TEST(NearTriangles, TooManyTrianglesLeaveItEmpty) {
   const TriangleMesh mesh = made::sheet(0.5, 0.0, 80);
   const TouchGeometry geometry({&mesh});
   ASSERT_GT(geometry.triangle_count(), static_cast<std::size_t>(NearTriangles::kCapacity));
@@ -167,9 +167,9 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_EQ(near->count(), 0);
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
   EXPECT_GT(queried, NearTriangles::kMaxOutsideFans);
-  bool any = false;
-  near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { any = true; });
-  EXPECT_FALSE(any);
+  bool is_visited = false;
+  near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { is_visited = true; });
+  EXPECT_FALSE(is_visited);
   ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, queried));
   EXPECT_TRUE(near->covers(Vec3(0.01, 0.0, 0.0), 0.04));
   EXPECT_FALSE(near->covers(Vec3(0.02, 0.0, 0.0), 0.04));
@@ -207,7 +207,7 @@ TEST(NearTriangles, AFanOfThousandsFits) {
 
 // The share of the triangles that a smaller ball would hold. On an even sheet 10 mm below the centre, a ball of 11 mm holds half as many as
 // one of 12 mm; at the tip of a fan it holds all of them.
-TEST(NearTriangles, ItKnowsTheShareOfASmallerBall) {
+TEST(NearTriangles, ItCountsTheShareWithinASmallerBall) {
   const auto share = [](const TriangleMesh& mesh, int most) {
     const TouchGeometry geometry({&mesh});
     NearTriangles near;
@@ -224,7 +224,7 @@ TEST(NearTriangles, ItKnowsTheShareOfASmallerBall) {
     if (i > 0) fan.triangles.push_back({0, i, i + 1});
   }
   EXPECT_NEAR(share(made::sheet(0.05, 0.0, 140), NearTriangles::kCapacity), 0.5, 0.1);
-  for (const int most : {100, NearTriangles::kCapacity}) EXPECT_EQ(share(fan, most), 1.0) << "also where they were too many";
+  for (const int most : {100, NearTriangles::kCapacity}) EXPECT_EQ(share(fan, most), 1.0) << "even where there are too many to gather";
 }
 
 TEST(NearTriangles, ShapesAreThoseOfTheGeometryAndNothingAllocates) {

@@ -53,39 +53,40 @@ TEST(ObjectGeometry, FindsTheTrianglesThatAreNearAnotherObject) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const ObjectGeometry object(make_box({0.5, 0.5, 0.5}, 4), {});
-  std::size_t most = 0;
-  std::size_t empty = 0;
+  std::size_t most_found = 0;
+  std::size_t empty_count = 0;
   for (int n = 0; n < 60; ++n) {
-    const bool stands = n % 2 == 0;
+    const bool stands_on_object = n % 2 == 0;
     const double gap = n % 4 == 0 ? 0.0 : 1.5 * uniform(random) * ObjectGeometry::kWalkableMargin;
-    const Vec3 by = stands ? Vec3(0.3 * uniform(random), 0.3 * uniform(random), 0.4 + gap)
-                           : Vec3(0.45 * Vec3(uniform(random), uniform(random), uniform(random)));
-    const Quat turn = stands ? Quat(Eigen::AngleAxisd(uniform(random), Vec3::UnitZ()))
-                             : Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
+    const Vec3 by = stands_on_object ? Vec3(0.3 * uniform(random), 0.3 * uniform(random), 0.4 + gap)
+                                     : Vec3(0.45 * Vec3(uniform(random), uniform(random), uniform(random)));
+    const Quat turn = stands_on_object ? Quat(Eigen::AngleAxisd(uniform(random), Vec3::UnitZ()))
+                                       : Quat(uniform(random), uniform(random), uniform(random), uniform(random)).normalized();
     const ObjectGeometry other(turned_and_moved(make_box({0.3, 0.3, 0.3}, 3), turn, by), {});
-    for (const auto& [own, of] : {std::pair(&object, &other), std::pair(&other, &object)}) {
+    for (const auto& [own, neighbour] : {std::pair(&object, &other), std::pair(&other, &object)}) {
       std::vector<std::uint32_t> expected;
       for (std::uint32_t u = 0; u < own->triangle_count(); ++u) {
         bool near = false;
-        for (std::uint32_t t = 0; t < of->triangle_count(); ++t) {
-          near = near || !are_apart({own->corner(u, 0), own->corner(u, 1), own->corner(u, 2)},
-                                    {of->corner(t, 0), of->corner(t, 1), of->corner(t, 2)}, ObjectGeometry::kWalkableMargin);
+        for (std::uint32_t t = 0; t < neighbour->triangle_count(); ++t) {
+          near = near ||
+                 !are_apart({own->corner(u, 0), own->corner(u, 1), own->corner(u, 2)},
+                            {neighbour->corner(t, 0), neighbour->corner(t, 1), neighbour->corner(t, 2)}, ObjectGeometry::kWalkableMargin);
         }
         if (near) expected.push_back(u);
       }
-      std::vector<std::uint32_t> found = own->find_near(*of, own->bounds());
+      std::vector<std::uint32_t> found = own->find_near(*neighbour, own->bounds());
       std::ranges::sort(found);
       ASSERT_EQ(found, expected) << n;
-      most = std::max(most, found.size());
-      empty += found.empty() ? 1 : 0;
+      most_found = std::max(most_found, found.size());
+      empty_count += found.empty() ? 1 : 0;
       ObjectGeometry marked = *own;
       marked.mark_unwalkable(found);
       for (std::uint32_t u = 0; u < own->triangle_count(); ++u)
         ASSERT_EQ(marked.adjacency().is_walkable(u), !std::ranges::binary_search(expected, u)) << n;
     }
   }
-  EXPECT_GT(most, 20U);
-  EXPECT_GT(empty, 4U);
+  EXPECT_GT(most_found, 20U);
+  EXPECT_GT(empty_count, 4U);
 }
 
 TEST(ObjectGeometry, CopiesShareTheSurfaceButNotTheMarks) {
@@ -114,10 +115,10 @@ TEST(ObjectGeometry, NothingIsNearAnObjectWithoutTriangles) {
 TEST(ObjectGeometry, NeighboursAreNearInMemory) {
   const TriangleMesh mesh = make_icosphere(0.05, 5);
   const ObjectGeometry object(mesh, {});
-  double way = 0.0;
-  for (std::uint32_t t = 1; t < object.triangle_count(); ++t) way += (object.corner(t, 0) - object.corner(t - 1, 0)).norm();
+  double total_jump = 0.0;
+  for (std::uint32_t t = 1; t < object.triangle_count(); ++t) total_jump += (object.corner(t, 0) - object.corner(t - 1, 0)).norm();
   // Edges are about 2.3 mm long; an unordered list would jump by about 67 mm.
-  EXPECT_LT(way / object.triangle_count(), 0.006);
+  EXPECT_LT(total_jump / object.triangle_count(), 0.006);
 }
 
 TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {

@@ -29,13 +29,13 @@ std::vector<Box> random_boxes(std::size_t count, double largest, std::mt19937_64
 void expect_same_as_brute_force(const ObjectHierarchy& hierarchy, const std::vector<Box>& boxes, std::mt19937_64& random) {
   for (int q = 0; q < 40; ++q) {
     const Box query = random_box(0.3, random);
-    std::vector<std::uint32_t> found, brute;
+    std::vector<std::uint32_t> found, expected;
     hierarchy.for_each_overlapping(query, [&](std::uint32_t o) { found.push_back(o); });
     for (std::uint32_t o = 0; o < boxes.size(); ++o) {
-      if (boxes[o].overlaps(query)) brute.push_back(o);
+      if (boxes[o].overlaps(query)) expected.push_back(o);
     }
     std::sort(found.begin(), found.end());
-    EXPECT_EQ(found, brute);
+    EXPECT_EQ(found, expected);
 
     const Vec3 p = 1.5 * query.low;
     double best = std::numeric_limits<double>::infinity();
@@ -73,12 +73,12 @@ TEST(ObjectHierarchy, ARefitIsAsGoodAsANewHierarchy) {
   for (const std::size_t count : {1U, 9U, 300U}) {
     std::vector<Box> boxes = random_boxes(count, 0.1, random);
     ObjectHierarchy hierarchy(boxes);
-    std::uniform_int_distribution<std::uint32_t> any(0, static_cast<std::uint32_t>(count) - 1);
+    std::uniform_int_distribution<std::uint32_t> any_object(0, static_cast<std::uint32_t>(count) - 1);
     for (int round = 0; round < 20; ++round) {
       for (int moves = 0; moves < 10; ++moves) {
-        const std::uint32_t o = any(random);
-        const bool away = moves == 9;
-        boxes[o] = away ? Box() : random_box(0.4, random);
+        const std::uint32_t o = any_object(random);
+        const bool is_removed = moves == 9;
+        boxes[o] = is_removed ? Box() : random_box(0.4, random);
         hierarchy.refit(o, boxes[o]);
         EXPECT_EQ(hierarchy.bounds(o).low, boxes[o].low);
       }
@@ -101,9 +101,9 @@ TEST(ObjectHierarchy, QueriesAndRefitsUseNoHeap) {
   ObjectHierarchy hierarchy(boxes);
   const AllocationGuard guard;
   for (std::uint32_t o = 0; o < 500; ++o) hierarchy.refit(o, boxes[499 - o]);
-  int seen = 0;
-  hierarchy.for_each_overlapping(Box::around({-1, -1, -1}, {2, 2, 2}), [&](std::uint32_t) { ++seen; });
-  EXPECT_EQ(seen, 500);
+  int visited = 0;
+  hierarchy.for_each_overlapping(Box::around({-1, -1, -1}, {2, 2, 2}), [&](std::uint32_t) { ++visited; });
+  EXPECT_EQ(visited, 500);
   EXPECT_EQ(guard.count(), 0U);
 }
 

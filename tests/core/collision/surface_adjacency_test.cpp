@@ -19,7 +19,7 @@ constexpr double kMargin = 1e-9;
 
 std::array<Vec3, 3> corners(const TriangleMesh& mesh, std::size_t t) { return {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}; }
 
-SurfaceAdjacency adjacency_of(const TriangleMesh& mesh, std::size_t* tests = nullptr) {
+SurfaceAdjacency adjacency_of(const TriangleMesh& mesh, std::size_t* tested_pairs = nullptr) {
   std::vector<Box> boxes;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Box box;
@@ -27,13 +27,13 @@ SurfaceAdjacency adjacency_of(const TriangleMesh& mesh, std::size_t* tests = nul
     boxes.push_back(box);
   }
   SurfaceAdjacency adjacency(mesh.vertices.size(), mesh.triangles);
-  const std::size_t tested = adjacency.find_walkable(mesh.vertices, mesh.triangles, WideBvh(boxes), kMargin);
-  if (tests != nullptr) *tests = tested;
+  const std::size_t count = adjacency.find_walkable(mesh.vertices, mesh.triangles, WideBvh(boxes), kMargin);
+  if (tested_pairs != nullptr) *tested_pairs = count;
   return adjacency;
 }
 
 // Crossing an edge and crossing it back leads to the same side of the same triangle.
-void expect_mutual(const TriangleMesh& mesh, const SurfaceAdjacency& adjacency) {
+void expect_edges_lead_back(const TriangleMesh& mesh, const SurfaceAdjacency& adjacency) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const SurfaceAdjacency::Adjacent there = adjacency.adjacent(t, k);
@@ -52,7 +52,7 @@ TEST(SurfaceAdjacency, AClosedSurfaceIsWalkableAndKeepsItsSide) {
                                    make_bumpy_sphere(0.5, 0.2, 5000, 3), make_gutter(1.0, 0.5, 0.01, 4), make_thin_wall(1.0, 0.01, 4)}) {
     const SurfaceAdjacency adjacency = adjacency_of(mesh);
     EXPECT_EQ(adjacency.walkable_count(), mesh.triangles.size());
-    expect_mutual(mesh, adjacency);
+    expect_edges_lead_back(mesh, adjacency);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
         EXPECT_TRUE(adjacency.adjacent(t, k).exists);
@@ -67,18 +67,18 @@ TEST(SurfaceAdjacency, ABoundaryEdgeLeadsToTheBackOfItsOwnTriangle) {
   const TriangleMesh sheet = make_plane_grid(1.0, 4);
   const SurfaceAdjacency adjacency = adjacency_of(sheet);
   EXPECT_EQ(adjacency.walkable_count(), sheet.triangles.size());
-  expect_mutual(sheet, adjacency);
-  int boundary = 0;
+  expect_edges_lead_back(sheet, adjacency);
+  int boundary_edges = 0;
   for (std::uint32_t t = 0; t < sheet.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
       const SurfaceAdjacency::Adjacent adjacent = adjacency.adjacent(t, k);
       if (adjacent.triangle != t) continue;
       EXPECT_TRUE(adjacent.flips);
       EXPECT_EQ(adjacent.edge, k);
-      ++boundary;
+      ++boundary_edges;
     }
   }
-  EXPECT_EQ(boundary, 16);
+  EXPECT_EQ(boundary_edges, 16);  // four sides of four cells
 }
 
 TEST(SurfaceAdjacency, AFlippedTriangleIsReachedOnItsBack) {
@@ -86,7 +86,7 @@ TEST(SurfaceAdjacency, AFlippedTriangleIsReachedOnItsBack) {
   std::swap(ball.triangles[7][1], ball.triangles[7][2]);
   const SurfaceAdjacency adjacency = adjacency_of(ball);
   EXPECT_EQ(adjacency.walkable_count(), ball.triangles.size());
-  expect_mutual(ball, adjacency);
+  expect_edges_lead_back(ball, adjacency);
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(adjacency.adjacent(7, k).flips);
 }
 
@@ -115,10 +115,11 @@ TEST(SurfaceAdjacency, TwoConesThatShareTheirTipAreNotWalkableThere) {
   TriangleMesh both = cone;
   for (int k = 1; k < 4; ++k) both.vertices.emplace_back(-cone.vertices[k]);
   for (const Triangle& t : cone.triangles) {
-    const auto other = [](std::uint32_t v) { return v == 0 ? 0U : v + 3; };
-    both.triangles.push_back({other(t[0]), other(t[2]), other(t[1])});
+    const auto mirrored = [](std::uint32_t v) { return v == 0 ? 0U : v + 3; };
+    both.triangles.push_back({mirrored(t[0]), mirrored(t[2]), mirrored(t[1])});
   }
   const SurfaceAdjacency adjacency = adjacency_of(both);
+  // The fourth triangle of each cone is its base, away from the tip.
   for (std::uint32_t t = 0; t < both.triangles.size(); ++t) EXPECT_EQ(adjacency.is_walkable(t), t % 4 == 3) << t;
 }
 
@@ -135,10 +136,10 @@ TEST(SurfaceAdjacency, WhereSurfacesMeetNothingIsWalkable) {
   std::vector<bool> meets(mesh.triangles.size(), false);
   for (std::size_t s = 0; s < mesh.triangles.size(); ++s) {
     for (std::size_t t = 0; t < s; ++t) {
-      const bool shares = std::any_of(mesh.triangles[s].begin(), mesh.triangles[s].end(), [&](std::uint32_t v) {
+      const bool shares_vertex = std::any_of(mesh.triangles[s].begin(), mesh.triangles[s].end(), [&](std::uint32_t v) {
         return std::find(mesh.triangles[t].begin(), mesh.triangles[t].end(), v) != mesh.triangles[t].end();
       });
-      if (shares || are_apart(corners(mesh, s), corners(mesh, t), kMargin)) continue;
+      if (shares_vertex || are_apart(corners(mesh, s), corners(mesh, t), kMargin)) continue;
       meets[s] = true;
       meets[t] = true;
     }
@@ -164,23 +165,23 @@ TEST(SurfaceAdjacency, AVertexOfTooManyTrianglesIsNotWalkable) {
 
 // --- Brute-force twin: every triangle against every other, without the tree and without the shortcut for even fans -------------------
 
-bool has(const Triangle& t, std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }
-bool repeats(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool has_vertex(const Triangle& t, std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }
+bool has_repeated_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 // Whether the triangles at a vertex are connected by edges that at most two of them share.
 bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
-  std::vector<std::uint32_t> round;
+  std::vector<std::uint32_t> at_vertex;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (has(mesh.triangles[t], vertex) && !repeats(mesh.triangles[t])) round.push_back(t);
+    if (has_vertex(mesh.triangles[t], vertex) && !has_repeated_vertex(mesh.triangles[t])) at_vertex.push_back(t);
   }
-  if (round.empty() || round.size() > static_cast<std::size_t>(SurfaceAdjacency::kMaxValence)) return false;
-  std::vector<std::uint32_t> reached = {round[0]};
+  if (at_vertex.empty() || at_vertex.size() > static_cast<std::size_t>(SurfaceAdjacency::kMaxValence)) return false;
+  std::vector<std::uint32_t> reached = {at_vertex[0]};
   for (std::size_t i = 0; i < reached.size(); ++i) {
     for (const std::uint32_t v : mesh.triangles[reached[i]]) {
       if (v == vertex) continue;
       std::vector<std::uint32_t> at_edge;
-      for (const std::uint32_t t : round) {
-        if (has(mesh.triangles[t], v)) at_edge.push_back(t);
+      for (const std::uint32_t t : at_vertex) {
+        if (has_vertex(mesh.triangles[t], v)) at_edge.push_back(t);
       }
       if (at_edge.size() > 2) return false;
       for (const std::uint32_t t : at_edge) {
@@ -188,7 +189,7 @@ bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
       }
     }
   }
-  return reached.size() == round.size();
+  return reached.size() == at_vertex.size();
 }
 
 void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
@@ -199,7 +200,7 @@ void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
     const auto [a, b, c] = mesh.triangles[t];
     const auto [p, q, r] = corners(mesh, t);
     const double longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
-    walkable[t] = !repeats(mesh.triangles[t]) && one_fan[a] && one_fan[b] && one_fan[c] &&
+    walkable[t] = !has_repeated_vertex(mesh.triangles[t]) && one_fan[a] && one_fan[b] && one_fan[c] &&
                   (q - p).cross(r - p).norm() >= SurfaceAdjacency::kMinHeight * longest;
   }
   for (std::size_t s = 0; s < mesh.triangles.size(); ++s) {
@@ -213,8 +214,9 @@ void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) ASSERT_EQ(adjacency.is_walkable(t), walkable[t]) << name << ": triangle " << t;
 }
 
-// A fan that goes round its vertex `turns` times, with every `flipped_every`-th triangle flipped.
-TriangleMesh fan(int triangles, int turns, double lift, int flipped_every) {
+// A fan that goes round its vertex `turns` times. The vertices of its rim lie `lift` above and `lift` below it in turn. Every
+// `flipped_every`-th triangle is flipped; 0: none.
+TriangleMesh make_fan(int triangles, int turns, double lift, int flipped_every) {
   TriangleMesh mesh{.vertices = {Vec3::Zero()}, .triangles = {}};
   for (int i = 0; i < triangles; ++i) {
     const double angle = 2.0 * 3.14159265358979 * turns * i / triangles + 0.1;
@@ -226,7 +228,7 @@ TriangleMesh fan(int triangles, int turns, double lift, int flipped_every) {
   return mesh;
 }
 
-TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
+TEST(SurfaceAdjacency, WalkableTrianglesAgreeWithBruteForce) {
   const TriangleMesh ball = make_icosphere(0.3, 2);
   const TriangleMesh box = make_box(Vec3(0.3, 0.2, 0.1), 2);
   expect_as_brute_force(ball, "sphere");
@@ -237,8 +239,8 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
   expect_as_brute_force(joined(ball, ball), "a sphere twice");
   for (const int triangles : {3, 4, 7, 12, 24, 128, 129}) {
     for (const int turns : {1, 2, 3}) {
-      for (const double lift : {0.0, 0.02, 0.3, 3.0}) expect_as_brute_force(fan(triangles, turns, lift, 0), "fan");
-      expect_as_brute_force(fan(triangles, turns, 0.05, 2), "fan of both windings");
+      for (const double lift : {0.0, 0.02, 0.3, 3.0}) expect_as_brute_force(make_fan(triangles, turns, lift, 0), "fan");
+      expect_as_brute_force(make_fan(triangles, turns, 0.05, 2), "fan of both windings");
     }
   }
   TriangleMesh mixed = ball;
@@ -252,37 +254,37 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
 // Pleats so steep that no fan is even: the normals are more than 60 degrees from the axis of the fan.
 TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
   for (const double lift : {0.02, 0.3, 3.0}) {
-    std::size_t tests = 0;
-    const TriangleMesh mesh = fan(4000, 1, lift, 0);
-    EXPECT_EQ(adjacency_of(mesh, &tests).walkable_count(), mesh.triangles.size());
-    EXPECT_LT(tests, 8 * mesh.triangles.size()) << "lift " << lift;
+    std::size_t tested_pairs = 0;
+    const TriangleMesh mesh = make_fan(4000, 1, lift, 0);
+    EXPECT_EQ(adjacency_of(mesh, &tested_pairs).walkable_count(), mesh.triangles.size());
+    EXPECT_LT(tested_pairs, 8 * mesh.triangles.size()) << "lift " << lift;
   }
 }
 
 // The triangles beside a thin one are nearer to each other than kMinAngle, although the fan is flat and goes round once.
 TEST(SurfaceAdjacency, BesideAThinTriangleNothingIsWalkable) {
-  for (const double share : {0.5, 2.0}) {
-    TriangleMesh mesh = fan(7, 1, 0.0, 0);
-    const double angle = std::atan2(mesh.vertices[1].y(), mesh.vertices[1].x()) + share * SurfaceAdjacency::kMinAngle;
+  for (const double factor : {0.5, 2.0}) {
+    TriangleMesh mesh = make_fan(7, 1, 0.0, 0);
+    const double angle = std::atan2(mesh.vertices[1].y(), mesh.vertices[1].x()) + factor * SurfaceAdjacency::kMinAngle;
     mesh.vertices[2] = 0.4 * Vec3(std::cos(angle), std::sin(angle), 0.0);
     expect_as_brute_force(mesh, "thin");
     const SurfaceAdjacency adjacency = adjacency_of(mesh);
-    for (const std::uint32_t beside : {1U, 6U}) EXPECT_EQ(adjacency.is_walkable(beside), share > 1.0) << share;
+    for (const std::uint32_t neighbour : {1U, 6U}) EXPECT_EQ(adjacency.is_walkable(neighbour), factor > 1.0) << factor;
   }
 }
 
 // Large fans that go once or twice round: some triangles are folded onto others, moved, or repeat a vertex; some fans meet a sphere.
-TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
+TEST(SurfaceAdjacency, WalkableTrianglesAgreeWithBruteForceInLargeFans) {
   std::mt19937_64 random(240);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int round = 0; round < 24; ++round) {
-    TriangleMesh mesh = fan(90 + 7 * round, 1 + round % 2, round % 3 == 0 ? 0.4 : 0.01, round % 5 == 4 ? 3 : 0);
+    TriangleMesh mesh = make_fan(90 + 7 * round, 1 + round % 2, round % 3 == 0 ? 0.4 : 0.01, round % 5 == 4 ? 3 : 0);
     const double noise = std::pow(10.0, -round % 8);
     for (std::size_t v = 1; v < mesh.vertices.size(); ++v) {
       Vec3& p = mesh.vertices[v];
-      if (round % 4 == 1) p *= 0.2 + share(random);
-      if (round % 4 == 2 && share(random) < 0.1) p = mesh.vertices[1 + random() % (v > 1 ? v - 1 : 1)] * (1.0 + noise * share(random));
-      if (round % 4 == 3) p += noise * Vec3(share(random), share(random), share(random));
+      if (round % 4 == 1) p *= 0.2 + unit(random);
+      if (round % 4 == 2 && unit(random) < 0.1) p = mesh.vertices[1 + random() % (v > 1 ? v - 1 : 1)] * (1.0 + noise * unit(random));
+      if (round % 4 == 3) p += noise * Vec3(unit(random), unit(random), unit(random));
     }
     if (round % 6 == 5) mesh.triangles.push_back({0, 0, 5});
     if (round % 7 == 6) mesh = joined(mesh, scaled_and_moved(make_icosphere(0.1, 1), 1.0, Vec3(0.3, 0.0, 0.0)));
@@ -291,8 +293,7 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
 }
 
 // Eighty triangles around a tip at the origin, counter-clockwise as seen from above. The vertices of the rim are at height z, except the
-// first one, which is at first_z.
-// The tip is corner t % 3 of triangle t.
+// first one, which is at first_z. The tip is corner t % 3 of triangle t.
 TriangleMesh fan_with_rim_at(double z, double first_z) {
   constexpr std::uint32_t kCount = 80;
   static_assert(kCount > SurfaceAdjacency::kLargeFan);
@@ -308,10 +309,10 @@ TriangleMesh fan_with_rim_at(double z, double first_z) {
   return fan;
 }
 
-TEST(SurfaceAdjacency, ALargeFanIsConvexFromTheSideOfWhichNoFaceIsAboveAnother) {
+TEST(SurfaceAdjacency, ALargeFanIsConvexFromASideWhereNoFaceRisesAboveAnother) {
   struct Case {
     double z, first_z;
-    bool from_front, from_back;
+    bool convex_from_front, convex_from_back;
   };
   for (const Case& one : {Case{0.0, 0.0, true, true}, Case{-0.1, -0.1, true, false}, Case{0.1, 0.1, false, true},
                           Case{0.0, 0x1p-52, true, true}, Case{0.0, -0x1p-52, true, true}, Case{0.0, 0x1p-40, false, false},
@@ -321,8 +322,8 @@ TEST(SurfaceAdjacency, ALargeFanIsConvexFromTheSideOfWhichNoFaceIsAboveAnother) 
     EXPECT_TRUE(adjacency.has_large_fans());
     for (std::uint32_t t = 0; t < fan.triangles.size(); ++t) {
       EXPECT_TRUE(adjacency.is_in_large_fan(t));
-      ASSERT_EQ(adjacency.convex_fan_corner(t, false), one.from_front ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
-      ASSERT_EQ(adjacency.convex_fan_corner(t, true), one.from_back ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
+      ASSERT_EQ(adjacency.convex_fan_corner(t, false), one.convex_from_front ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
+      ASSERT_EQ(adjacency.convex_fan_corner(t, true), one.convex_from_back ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
     }
   }
   const SurfaceAdjacency sphere = adjacency_of(make_icosphere(0.5, 1));
@@ -330,35 +331,35 @@ TEST(SurfaceAdjacency, ALargeFanIsConvexFromTheSideOfWhichNoFaceIsAboveAnother) 
   EXPECT_EQ(sphere.convex_fan_corner(0, false), -1);
 }
 
-TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndStandBesideAnEdgeOfThree) {
+TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndTouchANonManifoldEdge) {
   for (const bool has_fin : {false, true}) {
     TriangleMesh mesh;
-    constexpr std::uint32_t kRing = 80;
+    constexpr std::uint32_t kRimVertices = 80;
     mesh.vertices = {{0.5, 0.0, 0.0}, {0.0, 0.0, 0.0}};  // middles of two discs; each is on the rim of the other one
-    for (std::uint32_t i = 1; i < kRing; ++i) {
-      const double angle = 2.0 * std::numbers::pi * i / kRing;
+    for (std::uint32_t i = 1; i < kRimVertices; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kRimVertices;
       mesh.vertices.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.0);
     }
-    const auto ring = [](std::uint32_t i) { return i % kRing == 0 ? 0U : 1U + i % kRing; };
-    for (std::uint32_t i = 0; i < kRing; ++i) mesh.triangles.push_back({1, ring(i), ring(i + 1)});
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (std::uint32_t i = 0; i < kRing; ++i) {
-      const double angle = std::numbers::pi * (-0.45 + 0.9 * i / (kRing - 1));
+    const auto rim_vertex = [](std::uint32_t i) { return i % kRimVertices == 0 ? 0U : 1U + i % kRimVertices; };
+    for (std::uint32_t i = 0; i < kRimVertices; ++i) mesh.triangles.push_back({1, rim_vertex(i), rim_vertex(i + 1)});
+    const auto second_rim = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t i = 0; i < kRimVertices; ++i) {
+      const double angle = std::numbers::pi * (-0.45 + 0.9 * i / (kRimVertices - 1));
       mesh.vertices.emplace_back(0.5 + 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.0);
     }
-    for (std::uint32_t i = 0; i + 1 < kRing; ++i) mesh.triangles.push_back({0, first + i, first + i + 1});
-    mesh.triangles.push_back({0, first + kRing - 1, ring(1)});
-    mesh.triangles.push_back({0, ring(kRing - 1), first});
+    for (std::uint32_t i = 0; i + 1 < kRimVertices; ++i) mesh.triangles.push_back({0, second_rim + i, second_rim + i + 1});
+    mesh.triangles.push_back({0, second_rim + kRimVertices - 1, rim_vertex(1)});
+    mesh.triangles.push_back({0, rim_vertex(kRimVertices - 1), second_rim});
     if (has_fin) {  // at a rim edge of the first disc: no neighbour there, though the fan is even
       mesh.vertices.emplace_back(0.5, 0.05, 0.3);
-      mesh.triangles.push_back({0, ring(1), static_cast<std::uint32_t>(mesh.vertices.size()) - 1});
+      mesh.triangles.push_back({0, rim_vertex(1), static_cast<std::uint32_t>(mesh.vertices.size()) - 1});
     }
     expect_as_brute_force(mesh, has_fin ? "two discs and a fin" : "two discs");
   }
 }
 
 // Random triangles over few vertices: edges of many triangles, folded pairs, copies, pairs of every kind.
-TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
+TEST(SurfaceAdjacency, WalkableTrianglesAgreeWithBruteForceInASoup) {
   std::mt19937_64 random(77);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
   for (int round = 0; round < 60; ++round) {
@@ -375,32 +376,32 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
 }
 
 // Compares with the distances of points sampled densely on the first triangle from the second.
-TEST(AreApart, SaysYesOnlyWhereTheDistanceIsAboveTheMargin) {
+TEST(AreApart, IsTrueOnlyWhereTheDistanceIsAboveTheMargin) {
   std::mt19937_64 random(41);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   const auto draw = [&] { return Vec3(place(random), place(random), place(random)); };
-  int apart = 0;
+  int apart_count = 0;
   for (int i = 0; i < 400; ++i) {
     const std::array<Vec3, 3> a = {draw(), draw(), draw()};
     const std::array<Vec3, 3> b = {draw(), draw(), draw()};
     const double margin = 0.2;
-    double least = 1e9;
+    double sampled_distance = 1e9;
     for (int u = 0; u <= 24; ++u) {
       for (int v = 0; u + v <= 24; ++v) {
         const Vec3 p = a[0] + u / 24.0 * (a[1] - a[0]) + v / 24.0 * (a[2] - a[0]);
-        least = std::min(least, closest_point(b[0], b[1], b[2], p).distance);
+        sampled_distance = std::min(sampled_distance, closest_point(b[0], b[1], b[2], p).distance);
       }
     }
-    const bool says = are_apart(a, b, margin);
-    if (says) {
-      EXPECT_GT(least, margin) << i;
+    const bool is_apart = are_apart(a, b, margin);
+    if (is_apart) {
+      EXPECT_GT(sampled_distance, margin) << i;
     } else {
-      EXPECT_LT(least, margin + 0.1) << i;  // 0.1: for the distance between samples
+      EXPECT_LT(sampled_distance, margin + 0.1) << i;  // 0.1: for the distance between samples
     }
-    apart += says ? 1 : 0;
+    apart_count += is_apart ? 1 : 0;
   }
-  EXPECT_GT(apart, 50);
-  EXPECT_LT(apart, 350);
+  EXPECT_GT(apart_count, 50);
+  EXPECT_LT(apart_count, 350);
 }
 
 }  // namespace

@@ -14,11 +14,11 @@ TrianglePlane plane_of(const TriangleMesh& mesh, std::size_t t) {
   return *compute_triangle_plane(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
 }
 
-const TrianglePlane kFlat = *compute_triangle_plane({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
+const TrianglePlane kTriangleInXy = *compute_triangle_plane({0, 0, 0}, {4, 0, 0}, {0, 4, 0});
 
 TEST(SweepLine, FindsPointDepthAndSideFromAbove) {
   SweepCollision hit;
-  ASSERT_EQ(compute_collision({{1, 1, 1}, {1.5, 1, -1}}, kFlat, hit), SweepOutcome::collision);
+  ASSERT_EQ(compute_collision({{1, 1, 1}, {1.5, 1, -1}}, kTriangleInXy, hit), SweepOutcome::collision);
   EXPECT_EQ(hit.t, 0.5);
   EXPECT_EQ(hit.point, Vec3(1.25, 1, 0));
   EXPECT_EQ(hit.normal, Vec3(0, 0, 1));
@@ -28,7 +28,7 @@ TEST(SweepLine, FindsPointDepthAndSideFromAbove) {
 
 TEST(SweepLine, FromBelowTheNormalTurnsRound) {
   SweepCollision hit;
-  ASSERT_EQ(compute_collision({{1, 1, -1}, {1, 1, 3}}, kFlat, hit), SweepOutcome::collision);
+  ASSERT_EQ(compute_collision({{1, 1, -1}, {1, 1, 3}}, kTriangleInXy, hit), SweepOutcome::collision);
   EXPECT_EQ(hit.point, Vec3(1, 1, 0));
   EXPECT_EQ(hit.normal, Vec3(0, 0, -1));
   EXPECT_EQ(hit.depth, 3.0);
@@ -37,12 +37,12 @@ TEST(SweepLine, FromBelowTheNormalTurnsRound) {
 
 TEST(SweepLine, EachStepEndsAsTheMemoSays) {
   SweepCollision hit;
-  EXPECT_EQ(compute_collision({{1, 1, 1}, {2, 2, 1}}, kFlat, hit), SweepOutcome::parallel);
-  EXPECT_EQ(compute_collision({{1, 1, 0}, {2, 1, 0}}, kFlat, hit), SweepOutcome::parallel);
-  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kFlat, hit), SweepOutcome::parallel);  // a line of length zero
-  EXPECT_EQ(compute_collision({{1, 1, 3}, {1, 1, 1}}, kFlat, hit), SweepOutcome::out_of_length);
-  EXPECT_EQ(compute_collision({{1, 1, -1}, {1, 1, -3}}, kFlat, hit), SweepOutcome::out_of_length);
-  EXPECT_EQ(compute_collision({{3, 3, 1}, {3, 3, -1}}, kFlat, hit), SweepOutcome::out_of_triangle);
+  EXPECT_EQ(compute_collision({{1, 1, 1}, {2, 2, 1}}, kTriangleInXy, hit), SweepOutcome::parallel);
+  EXPECT_EQ(compute_collision({{1, 1, 0}, {2, 1, 0}}, kTriangleInXy, hit), SweepOutcome::parallel);
+  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kTriangleInXy, hit), SweepOutcome::parallel);  // a line of length zero
+  EXPECT_EQ(compute_collision({{1, 1, 3}, {1, 1, 1}}, kTriangleInXy, hit), SweepOutcome::out_of_length);
+  EXPECT_EQ(compute_collision({{1, 1, -1}, {1, 1, -3}}, kTriangleInXy, hit), SweepOutcome::out_of_length);
+  EXPECT_EQ(compute_collision({{3, 3, 1}, {3, 3, -1}}, kTriangleInXy, hit), SweepOutcome::out_of_triangle);
 }
 
 TEST(SweepLine, TwoLinesThatMeetOnThePlaneCollideOnce) {
@@ -51,8 +51,8 @@ TEST(SweepLine, TwoLinesThatMeetOnThePlaneCollideOnce) {
     const Vec3 on(1, 1, 0);
     const Vec3 beyond(1, 1, -direction);
     SweepCollision hit;
-    const int first = compute_collision({far, on}, kFlat, hit) == SweepOutcome::collision ? 1 : 0;
-    const int second = compute_collision({on, beyond}, kFlat, hit) == SweepOutcome::collision ? 1 : 0;
+    const int first = compute_collision({far, on}, kTriangleInXy, hit) == SweepOutcome::collision ? 1 : 0;
+    const int second = compute_collision({on, beyond}, kTriangleInXy, hit) == SweepOutcome::collision ? 1 : 0;
     EXPECT_EQ(first + second, 1) << direction;
   }
 }
@@ -63,7 +63,7 @@ TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  int touching_two = 0;
+  int lines_with_two_hits = 0;
   for (const double scale : {1e-6, 1.0, 1e6}) {
     for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(3.1, -2.7, 1.3)}) {
       TriangleMesh mesh = made::sphere(1.0, 9, 0.1);
@@ -86,12 +86,12 @@ TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
             hits += compute_collision({outside, middle}, plane, hit) == SweepOutcome::collision ? 1 : 0;
           }
           ASSERT_GE(hits, 1) << "triangle " << t << " edge " << k << " scale " << scale;
-          touching_two += hits >= 2 ? 1 : 0;
+          lines_with_two_hits += hits >= 2 ? 1 : 0;
         }
       }
     }
   }
-  EXPECT_GT(touching_two, 1000);  // the lines did meet edges
+  EXPECT_GT(lines_with_two_hits, 1000);  // the lines did meet edges
 }
 
 // Compares with signed volumes in extended precision, which use neither plane nor projection.
@@ -124,8 +124,8 @@ TEST(SweepLine, AgreesWithSignedVolumes) {
       if (std::any_of(volumes.begin(), volumes.end(), [](long double v) { return std::abs(v) < 1e-12L; })) {
         continue;
       }
-      const bool same = (volumes[2] > 0) == (volumes[3] > 0) && (volumes[3] > 0) == (volumes[4] > 0);
-      const bool expected = (volumes[0] > 0) != (volumes[1] > 0) && same;
+      const bool same_sign = (volumes[2] > 0) == (volumes[3] > 0) && (volumes[3] > 0) == (volumes[4] > 0);
+      const bool expected = (volumes[0] > 0) != (volumes[1] > 0) && same_sign;
       SweepCollision hit;
       ASSERT_EQ(compute_collision(line, *plane, hit) == SweepOutcome::collision, expected) << "triangle " << t << " line " << i;
       ++decided;

@@ -9,26 +9,27 @@ namespace {
 
 TriangleMesh one_triangle(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a, b, c}, {{0, 1, 2}}}; }
 
-// The smallest distance, and the first time at or below `level`, from many small steps of the motion.
-struct Walked {
-  double first = kNever;
-  double least = std::numeric_limits<double>::infinity();
+constexpr int kMotionSamples = 20000;
+
+// The smallest distance, and the first time at which it is `level` or less, among samples of the motion.
+struct SampledMotion {
+  double first_time = kNever;
+  double least_distance = std::numeric_limits<double>::infinity();
 };
-Walked walk(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, double level) {
-  Walked walked;
-  constexpr int kSteps = 20000;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double t = static_cast<double>(i) / kSteps;
+SampledMotion sample_motion(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, double level) {
+  SampledMotion sampled;
+  for (int i = 0; i <= kMotionSamples; ++i) {
+    const double t = static_cast<double>(i) / kMotionSamples;
     const double d = geometry.separation(0, p + t * motion).distance;
-    walked.least = std::min(walked.least, d);
-    if (d <= level && walked.first > 1.0) walked.first = t;
+    sampled.least_distance = std::min(sampled.least_distance, d);
+    if (d <= level && sampled.first_time > 1.0) sampled.first_time = t;
   }
-  return walked;
+  return sampled;
 }
 
 class SweptSphere : public testing::TestWithParam<double> {};
 
-TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
+TEST_P(SweptSphere, BlocksWhereSamplesOfTheMotionDo) {
   const Clearance clearance{.offset = GetParam(), .slop = 0.5 * GetParam(), .tolerance = 1e-3 * GetParam()};
   constexpr unsigned kSeed = 77;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -44,17 +45,17 @@ TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
     const Vec3 motion = 1.5 * (aim + 0.2 * point() - p);
     if (geometry.separation(0, p).distance <= clearance.offset) continue;
     const double t = time_to_block(TriangleView{geometry, 0}, p, motion, 1.0, clearance);
-    const Walked walked = walk(geometry, p, motion, clearance.offset);
-    const double grain = motion.norm() / 20000;
-    if (walked.least < clearance.offset - clearance.slop) {
+    const SampledMotion sampled = sample_motion(geometry, p, motion, clearance.offset);
+    const double sample_spacing = motion.norm() / kMotionSamples;
+    if (sampled.least_distance < clearance.offset - clearance.slop) {
       EXPECT_LE(t, 1.0) << "case " << i << " went through";
     }
-    if (walked.least > clearance.offset + grain) {
+    if (sampled.least_distance > clearance.offset + sample_spacing) {
       EXPECT_GT(t, 1.0) << "case " << i << " was blocked by nothing";
     }
     if (t > 1.0) continue;
     ++blocked;
-    EXPECT_LE(t, walked.first + 1e-9) << "case " << i << " stopped too late";
+    EXPECT_LE(t, sampled.first_time + 1e-9) << "case " << i << " stopped too late";
     EXPECT_NEAR(geometry.separation(0, p + t * motion).distance, clearance.offset, 2.0 * clearance.tolerance);
   }
   EXPECT_GT(blocked, 10);
@@ -67,14 +68,14 @@ TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
   const Clearance clearance{.offset = contact_offset, .slop = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
-  const auto through = [&](const Vec3& at) {
+  const auto time_down_to = [&](const Vec3& at) {
     const Vec3 target = geometry.to_local(at);
     return time_to_block(TriangleView{geometry, 0}, target + Vec3(0, 0, 0.25), Vec3(0, 0, -0.5), 1.0, clearance);
   };
-  EXPECT_LE(through({0, 0, 0}), 0.5);
-  EXPECT_LE(through({0, -0.5, 0}), 0.5);
-  EXPECT_LE(through({0.5, -0.5, 0}), 0.5);
-  EXPECT_GT(through({0, -0.5 - 1e-6, 0}), 1.0);
+  EXPECT_LE(time_down_to({0, 0, 0}), 0.5);
+  EXPECT_LE(time_down_to({0, -0.5, 0}), 0.5);
+  EXPECT_LE(time_down_to({0.5, -0.5, 0}), 0.5);
+  EXPECT_GT(time_down_to({0, -0.5 - 1e-6, 0}), 1.0);
 }
 
 TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
@@ -90,7 +91,7 @@ TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
 
 TEST(SweptSpherePoint, AShallowConcaveEdgeBlocksByItsFace) {
   // The probe moves on a first face, which is not in the mesh, over the shared edge onto a second one that rises by 0.1 degree.
-  const double rise = 0.5 * 0.00175;
+  const double rise = 0.5 * 0.00175;  // over 0.5 at the tangent of 0.1 degree
   const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
   const TouchGeometry geometry({&second});
   const double contact_offset = 0x1p-30;
@@ -105,33 +106,33 @@ TEST(SweptSpherePoint, AShallowConcaveEdgeBlocksByItsFace) {
   EXPECT_LT(blocks.normal.dot(motion), 0.0);
 }
 
-TEST(ComesNearer, AgreesWithAWalkInSmallSteps) {
+TEST(ComesNearer, AgreesWithSamplesOfTheMotion) {
   constexpr unsigned kSeed = 78;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> coordinate(-0.5, 0.5);
   const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
-  int nearer = 0;
+  int nearer_count = 0;
   for (int i = 0; i < 200; ++i) {
     const TriangleMesh mesh = one_triangle(point(), point(), point());
     const TouchGeometry geometry({&mesh});
     const Vec3 p = point();
     const Vec3 motion = point();
-    const double ends = std::min(geometry.separation(0, p).distance, geometry.separation(0, p + motion).distance);
-    const Walked walked = walk(geometry, p, motion, 0.0);
-    for (const double level : {ends, 0.5 * (ends + walked.least), 0.999 * walked.least}) {
+    const double end_distance = std::min(geometry.separation(0, p).distance, geometry.separation(0, p + motion).distance);
+    const SampledMotion sampled = sample_motion(geometry, p, motion, 0.0);
+    for (const double level : {end_distance, 0.5 * (end_distance + sampled.least_distance), 0.999 * sampled.least_distance}) {
       constexpr double kTolerance = 1e-9;
       const bool found = comes_nearer(TriangleView{geometry, 0}, p, motion, 0.0, 1.0, level, kTolerance);
-      if (walked.least < level - 1e-6) {
+      if (sampled.least_distance < level - 1e-6) {
         EXPECT_TRUE(found) << "case " << i << " level " << level;
       }
-      if (walked.least > level + 1e-4) {
+      if (sampled.least_distance > level + 1e-4) {
         EXPECT_FALSE(found) << "case " << i << " level " << level;
       }
-      nearer += found ? 1 : 0;
+      nearer_count += found ? 1 : 0;
     }
   }
-  EXPECT_GT(nearer, 50);
+  EXPECT_GT(nearer_count, 50);
 }
 
 // At the contact offset from an edge, the direction of a tangent has a rounding error, which over a long way grows to many contact offsets.

@@ -17,18 +17,18 @@ namespace {
 
 TEST(TouchGeometry, LocalCoordinatesDoNotDependOnScaleOrPlace) {
   const TriangleMesh mesh = make_icosphere(0.05, 2);
-  const TouchGeometry here({&mesh});
+  const TouchGeometry geometry({&mesh});
   for (const double scale : {0x1p-20, 0x1p20}) {
-    const TriangleMesh other = scaled_and_moved(mesh, scale, Vec3::Zero());
-    const TouchGeometry there({&other});
-    EXPECT_EQ(there.unit_m(), here.unit_m() * scale);
-    for (std::uint32_t t = 0; t < here.triangle_count(); ++t) {
-      for (int k = 0; k < 3; ++k) EXPECT_EQ(there.corner(t, k), here.corner(t, k));
+    const TriangleMesh scaled = scaled_and_moved(mesh, scale, Vec3::Zero());
+    const TouchGeometry scaled_geometry({&scaled});
+    EXPECT_EQ(scaled_geometry.unit_m(), geometry.unit_m() * scale);
+    for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+      for (int k = 0; k < 3; ++k) EXPECT_EQ(scaled_geometry.corner(t, k), geometry.corner(t, k));
     }
   }
   const TriangleMesh far = scaled_and_moved(mesh, 1.0, Vec3(1e6, -1e6, 1e6));
-  const TouchGeometry away({&far});
-  EXPECT_LE((away.origin() - Vec3(1e6, -1e6, 1e6)).norm(), 1e-9);
+  const TouchGeometry far_geometry({&far});
+  EXPECT_LE((far_geometry.origin() - Vec3(1e6, -1e6, 1e6)).norm(), 1e-9);
 }
 
 std::vector<std::shared_ptr<const TriangleMesh>> one_mesh(TriangleMesh mesh) {
@@ -84,17 +84,17 @@ TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
   const TriangleMesh box = scaled_and_moved(make_box({0.02, 0.02, 0.02}), 1.0, Vec3(0.2, 0, 0));
   const TouchGeometry geometry(std::vector<const TriangleMesh*>{&ball, &box});
   ASSERT_EQ(geometry.triangle_count(), ball.triangles.size() + box.triangles.size());
-  std::size_t of_box = 0;
+  std::size_t box_triangles = 0;
   geometry.for_each_overlapping(Box{Vec3::Constant(-2), Vec3::Constant(2)}, [&](std::uint32_t id) {
-    const bool right = geometry.to_scene(geometry.corner(id, 0)).x() > 0.1;
-    EXPECT_EQ(geometry.mesh_of(id), right ? 1U : 0U);
-    of_box += right ? 1 : 0;
+    const bool is_of_box = geometry.to_scene(geometry.corner(id, 0)).x() > 0.1;
+    EXPECT_EQ(geometry.mesh_of(id), is_of_box ? 1U : 0U);
+    box_triangles += is_of_box ? 1 : 0;
   });
-  EXPECT_EQ(of_box, box.triangles.size());
+  EXPECT_EQ(box_triangles, box.triangles.size());
   EXPECT_GT(geometry.bytes(), geometry.triangle_count() * 20);
 }
 
-TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
+TEST(TouchGeometry, MadeOfSharedObjectsItFindsTheSameAsOneThatBuildsThem) {
   const std::vector<std::shared_ptr<const TriangleMesh>> meshes = {
       std::make_shared<TriangleMesh>(make_bumpy_sphere(0.3, 0.2, 300, 3)), std::make_shared<TriangleMesh>(),
       std::make_shared<TriangleMesh>(scaled_and_moved(make_bumpy_sphere(0.2, 0.1, 80, 4), 1.0, {0.5, 0.1, 0.0}))};
@@ -112,7 +112,7 @@ TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-0.6, 0.6);
   using Found = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-  const auto near = [](const TouchGeometry& scene, const Box& box) {
+  const auto triangles_near = [](const TouchGeometry& scene, const Box& box) {
     Found found;
     scene.for_each_overlapping(box, [&](std::uint32_t id) { found.insert({scene.mesh_of(id), scene.triangle_of(id)}); });
     return found;
@@ -121,8 +121,8 @@ TEST(TouchGeometry, OfSharedObjectsFindsWhatOneThatBuildsThemDoes) {
   for (int n = 0; n < 200; ++n) {
     const Vec3 p(uniform(random), uniform(random), uniform(random));
     const Box box = Box{p, p}.inflated(0.05);
-    const Found found = near(shared, box);
-    ASSERT_EQ(found, near(built, box));
+    const Found found = triangles_near(shared, box);
+    ASSERT_EQ(found, triangles_near(built, box));
     for (const auto& [mesh, triangle] : found) meshes_found.insert(mesh);
   }
   EXPECT_EQ(meshes_found, (std::set<std::uint32_t>{0, 2}));
@@ -133,22 +133,22 @@ TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
   TouchGeometry geometry({near, far}, BuildPolicy::on_approach);
-  const std::size_t hierarchies = geometry.bytes();
-  EXPECT_GE(hierarchies, 2 * 2 * sizeof(Box));
-  EXPECT_LT(hierarchies, near->triangles.size() * 20);
+  const std::size_t hierarchy_bytes = geometry.bytes();
+  EXPECT_GE(hierarchy_bytes, 2 * 2 * sizeof(Box));
+  EXPECT_LT(hierarchy_bytes, near->triangles.size() * 20);
   geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
   ASSERT_TRUE(geometry.build_requested());
-  EXPECT_GT(geometry.bytes(), hierarchies + near->triangles.size() * 20);
+  EXPECT_GT(geometry.bytes(), hierarchy_bytes + near->triangles.size() * 20);
   EXPECT_LT(geometry.bytes(), TouchGeometry(std::vector<const TriangleMesh*>{near.get(), far.get()}).bytes());
 }
 
 TEST(TouchGeometry, MayHaveLargeFansWhereAnObjectHasOneOrIsNotBuiltYet) {
-  const auto few = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, 12));
-  const auto many = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, SurfaceAdjacency::kLargeFan + 6));
-  EXPECT_FALSE(TouchGeometry({few}).may_have_large_fans());
-  EXPECT_TRUE(TouchGeometry({few, many}).may_have_large_fans());
-  EXPECT_TRUE(TouchGeometry({many, few}).may_have_large_fans());
-  TouchGeometry geometry({few}, BuildPolicy::on_approach);
+  const auto few_sided = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, 12));
+  const auto many_sided = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, SurfaceAdjacency::kLargeFan + 6));
+  EXPECT_FALSE(TouchGeometry({few_sided}).may_have_large_fans());
+  EXPECT_TRUE(TouchGeometry({few_sided, many_sided}).may_have_large_fans());
+  EXPECT_TRUE(TouchGeometry({many_sided, few_sided}).may_have_large_fans());
+  TouchGeometry geometry({few_sided}, BuildPolicy::on_approach);
   EXPECT_TRUE(geometry.may_have_large_fans());
   geometry.request_ahead(geometry.to_local({0, 0.06, 0}), 0.0);
   ASSERT_TRUE(geometry.build_requested());
@@ -166,7 +166,7 @@ TEST(TouchGeometry, BuildsOnApproachAndActivatesNoObjectAroundTheProbe) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
   TouchGeometry geometry({near, far}, BuildPolicy::on_approach);
-  const auto seen = [&] {
+  const auto active_triangles = [&] {
     int count = 0;
     geometry.for_each_overlapping(Box{Vec3::Constant(-9), Vec3::Constant(9)}, [&](std::uint32_t) { ++count; });
     return count;
@@ -176,17 +176,17 @@ TEST(TouchGeometry, BuildsOnApproachAndActivatesNoObjectAroundTheProbe) {
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
   EXPECT_FALSE(geometry.build_requested());
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
-  EXPECT_EQ(seen(), 0);
+  EXPECT_EQ(active_triangles(), 0);
   EXPECT_TRUE(geometry.build_requested());
   EXPECT_FALSE(geometry.build_requested()) << "the far one was built, too";
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
-  EXPECT_EQ(seen(), 0) << "it became active around the probe";
+  EXPECT_EQ(active_triangles(), 0) << "it became active around the probe";
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
-  EXPECT_EQ(seen(), static_cast<int>(near->triangles.size()));
+  EXPECT_EQ(active_triangles(), static_cast<int>(near->triangles.size()));
   EXPECT_EQ(geometry.built_count(), 1U);
 }
 
-// 125 spheres side by side, some of them touching.
+// 125 icospheres of this level, side by side, some of them touching. Each has 20 triangles at level 0, 80 at level 1.
 std::vector<std::shared_ptr<const TriangleMesh>> many_balls(int level) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   const TriangleMesh ball = make_icosphere(0.05, level);
@@ -203,7 +203,7 @@ TEST(TouchGeometry, QueriesOverManyObjectsAgreeWithBruteForce) {
   const TouchGeometry geometry(many_balls(1));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
-  const auto each = [&](auto&& visit) {
+  const auto for_each_triangle = [&](auto&& visit) {
     const auto bits = static_cast<std::uint32_t>(std::countr_zero(geometry.object_bits()));
     for (std::uint32_t o = 0; o < 125; ++o) {
       for (std::uint32_t t = 0; t < 80; ++t) visit(o << bits | t);
@@ -216,21 +216,21 @@ TEST(TouchGeometry, QueriesOverManyObjectsAgreeWithBruteForce) {
     geometry.for_each_overlapping(query, [&](std::uint32_t id) { found.push_back(id); });
     std::sort(found.begin(), found.end());
     ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
-    double brute = std::numeric_limits<double>::infinity();
-    each([&](std::uint32_t id) {
+    double expected_distance = std::numeric_limits<double>::infinity();
+    for_each_triangle([&](std::uint32_t id) {
       Box box = Box::around(geometry.corner(id, 0), geometry.corner(id, 1));
       box.grow(geometry.corner(id, 2));
       if (box.overlaps(query)) {
         EXPECT_TRUE(std::binary_search(found.begin(), found.end(), id));
       }
-      brute = std::min(brute, geometry.separation(id, p).distance);
+      expected_distance = std::min(expected_distance, geometry.separation(id, p).distance);
     });
-    double best = std::numeric_limits<double>::infinity();
-    geometry.visit_nearest(p, best, [&](std::uint32_t id, double bound) {
+    double best_squared = std::numeric_limits<double>::infinity();
+    geometry.visit_nearest(p, best_squared, [&](std::uint32_t id, double bound) {
       const double d = geometry.separation(id, p).distance;
-      return best = std::min(bound, d * d);
+      return best_squared = std::min(bound, d * d);
     });
-    EXPECT_DOUBLE_EQ(std::sqrt(best), brute);
+    EXPECT_DOUBLE_EQ(std::sqrt(best_squared), expected_distance);
   }
 }
 
@@ -241,7 +241,7 @@ TEST(TouchGeometry, ANearestSearchOneTriangleAtATimeFindsTheSame) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   TouchGeometry::NearestSearch search;
-  std::size_t most = 0;
+  std::size_t most_found = 0;
   for (int q = 0; q < 200; ++q) {
     const Vec3 p(place(random), place(random), place(random));
     std::vector<std::uint32_t> expected;
@@ -253,16 +253,16 @@ TEST(TouchGeometry, ANearestSearchOneTriangleAtATimeFindsTheSame) {
     search.start(p);
     while (const auto id = search.next(geometry, 0.04)) found.push_back(*id);
     ASSERT_EQ(found, expected);
-    most = std::max(most, found.size());
+    most_found = std::max(most_found, found.size());
   }
-  EXPECT_GT(most, 100U);
+  EXPECT_GT(most_found, 100U);
 }
 
 TEST(TouchGeometry, AVisitEndsTheSearchOverAllObjects) {
   const TouchGeometry geometry(many_balls(0));
   int visits = 0;
   geometry.for_each_overlapping(Box{Vec3::Constant(-2), Vec3::Constant(2)}, [&](std::uint32_t) { return ++visits < 25; });
-  EXPECT_EQ(visits, 25) << "20 triangles an object: the search went on in others";
+  EXPECT_EQ(visits, 25) << "an object has 20 triangles: the search went on in others";
 }
 
 // A loop applies the rule to each object: which ones must be requested at p, and how far p may move before the next one must be.
@@ -276,28 +276,28 @@ TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
     for (const Vec3& v : meshes[o]->vertices) bounds[o].grow(geometry.to_local(v));
   }
   std::mt19937_64 random(kSeed);
-  std::normal_distribution<double> any(0.0, 1.0);
+  std::normal_distribution<double> normal(0.0, 1.0);
   std::vector<bool> requested(meshes.size(), false);
   Vec3 p(-1.5, -1.5, -1.5);
   Vec3 velocity = Vec3::Zero();
   for (int step = 0; step < 4000; ++step) {
-    velocity = 0.98 * velocity + 0.0005 * Vec3(any(random), any(random), any(random)) - 0.0001 * p;
+    velocity = 0.98 * velocity + 0.0005 * Vec3(normal(random), normal(random), normal(random)) - 0.0001 * p;
     p += velocity;
     const double range = 20.0 * velocity.norm();
-    const double may_go = geometry.request_ahead(p, range);
-    double brute = std::numeric_limits<double>::infinity();
+    const double free_distance = geometry.request_ahead(p, range);
+    double expected_distance = std::numeric_limits<double>::infinity();
     for (std::size_t o = 0; o < bounds.size(); ++o) {
-      const double beyond = std::sqrt(bounds[o].distance_squared(p)) - std::max(range, bounds[o].diagonal());
-      if (beyond <= -1e-12) requested[o] = true;
-      if (!requested[o]) brute = std::min(brute, std::max(0.0, beyond));
+      const double distance_to_request = std::sqrt(bounds[o].distance_squared(p)) - std::max(range, bounds[o].diagonal());
+      if (distance_to_request <= -1e-12) requested[o] = true;
+      if (!requested[o]) expected_distance = std::min(expected_distance, std::max(0.0, distance_to_request));
     }
-    EXPECT_LE(may_go, brute + 1e-12) << "step " << step;
+    EXPECT_LE(free_distance, expected_distance + 1e-12) << "step " << step;
     while (geometry.build_requested()) {
     }
     ASSERT_EQ(geometry.built_count(), static_cast<std::size_t>(std::count(requested.begin(), requested.end(), true))) << "step " << step;
     if (geometry.waiting_count() == 0) break;
   }
-  EXPECT_GT(geometry.built_count(), 100U) << "the walk met too few objects to tell";
+  EXPECT_GT(geometry.built_count(), 100U) << "the motion came near too few objects for this test";
 }
 
 TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
@@ -315,6 +315,7 @@ TEST(TouchGeometry, RejectsMoreTrianglesThanIds) {
   auto large = std::make_shared<TriangleMesh>();
   large->vertices.assign(3, Vec3::Zero());
   large->triangles.assign(1U << 20U, Triangle{0, 1, 2});
+  // 2048 objects of 2^20 triangles use all 2^31 ids.
   std::vector<std::shared_ptr<const TriangleMesh>> meshes(2048, large);
   EXPECT_TRUE(TouchGeometry::check(meshes));
   meshes.push_back(large);
@@ -324,11 +325,11 @@ TEST(TouchGeometry, RejectsMoreTrianglesThanIds) {
 }
 
 struct FirstHit {
-  double time = 2.0;
+  double time = 2.0;  // 0 to 1 along the segment; above 1: no hit
   bool from_back = false;
 };
 
-FirstHit first_by_tree(const TouchGeometry& geometry, const Vec3& p, const Vec3& q) {
+FirstHit find_first_hit(const TouchGeometry& geometry, const Vec3& p, const Vec3& q) {
   FirstHit first;
   geometry.visit_along(p, q, 0.0, [&](std::uint32_t id, double until) {
     const TouchGeometry::Hit hit = geometry.pierce(id, p, q);
@@ -348,7 +349,7 @@ TEST(TouchGeometry, ASegmentMeetsFirstWhatABruteForceSearchFinds) {
   ASSERT_EQ(ids.size(), ball.triangles.size() + other.triangles.size());
   std::mt19937_64 random(31);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
-  int met = 0;
+  int hits = 0;
   for (int i = 0; i < 300; ++i) {
     const Vec3 p(place(random), place(random), place(random));
     const Vec3 aim = geometry.corner(ids[random() % ids.size()], 0);
@@ -358,47 +359,47 @@ TEST(TouchGeometry, ASegmentMeetsFirstWhatABruteForceSearchFinds) {
       const TouchGeometry::Hit hit = geometry.pierce(id, p, q);
       if (hit.time < expected.time) expected = {hit.time, hit.from_back};
     }
-    const FirstHit found = first_by_tree(geometry, p, q);
+    const FirstHit found = find_first_hit(geometry, p, q);
     EXPECT_EQ(found.time, expected.time) << i;
     if (expected.time > 1.0) continue;
     EXPECT_EQ(found.from_back, expected.from_back) << i;
-    ++met;
+    ++hits;
   }
-  EXPECT_GT(met, 50);
+  EXPECT_GT(hits, 50);
 }
 
 // The path goes from vertex to vertex, along edges and in the planes of faces. If it is closed, it enters as often as it leaves.
-TEST(TouchGeometry, AClosedWayOverALatticeGoesThroughAClosedSurfaceAnEvenNumberOfTimes) {
+TEST(TouchGeometry, AClosedPathOnALatticeEntersAClosedSurfaceAsOftenAsItLeavesIt) {
   const TriangleMesh box = make_box(Vec3::Constant(0.5), 2);
   const TouchGeometry geometry({&box});
   std::vector<std::uint32_t> ids;
   geometry.for_each_overlapping(Box{Vec3::Constant(-4.0), Vec3::Constant(4.0)}, [&](std::uint32_t id) { ids.push_back(id); });
-  const double lattice = 0.125 / geometry.unit_m();
+  const double spacing = 0.125 / geometry.unit_m();
   std::mt19937_64 random(32);
   const auto draw = [&] {
-    const auto step = [&] { return static_cast<double>(static_cast<int>(random() % 7) - 3) * lattice; };
+    const auto step = [&] { return static_cast<double>(static_cast<int>(random() % 7) - 3) * spacing; };
     const double x = step();
     const double y = step();
     return Vec3(x, y, step());
   };
-  int through = 0;
+  int total_entries = 0;
   for (int i = 0; i < 3000; ++i) {
     const Vec3 start = draw();
     Vec3 from = start;
-    int in = 0;
-    int out = 0;
+    int entries = 0;
+    int exits = 0;
     for (int leg = 0; leg < 5; ++leg) {
       const Vec3 to = leg < 4 ? draw() : start;
       for (const std::uint32_t id : ids) {
         const TouchGeometry::Hit hit = geometry.pierce(id, from, to);
-        if (hit.time <= 1.0) ++(hit.from_back ? out : in);
+        if (hit.time <= 1.0) ++(hit.from_back ? exits : entries);
       }
       from = to;
     }
-    ASSERT_EQ(in, out) << "way " << i;
-    through += in;
+    ASSERT_EQ(entries, exits) << "path " << i;
+    total_entries += entries;
   }
-  EXPECT_GT(through, 1000);
+  EXPECT_GT(total_entries, 1000);
 }
 
 }  // namespace

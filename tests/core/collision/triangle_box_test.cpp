@@ -10,20 +10,20 @@ namespace {
 
 // The part of a polygon below the plane axis = limit (side +1) or above it (side -1): Sutherland and Hodgman.
 std::vector<Vec3> clip(const std::vector<Vec3>& polygon, int axis, double limit, double side) {
-  std::vector<Vec3> kept;
+  std::vector<Vec3> clipped;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vec3& a = polygon[i];
     const Vec3& b = polygon[(i + 1) % polygon.size()];
     const double da = side * (limit - a[axis]);
     const double db = side * (limit - b[axis]);
     if (da >= 0) {
-      kept.push_back(a);
+      clipped.push_back(a);
     }
     if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
-      kept.push_back(a + da / (da - db) * (b - a));
+      clipped.push_back(a + da / (da - db) * (b - a));
     }
   }
-  return kept;
+  return clipped;
 }
 
 bool touches_by_clipping(const std::array<Vec3, 3>& triangle, const Vec3& low, const Vec3& high) {
@@ -65,7 +65,7 @@ TEST(TriangleBox, AgreesWithClipping) {
   EXPECT_GT(apart_but_boxes_meet, 500);  // so not only the bounding boxes were compared
 }
 
-TEST(TriangleBox, TouchingIsTouching) {
+TEST(TriangleBox, TouchingASideOrACornerCounts) {
   const std::array<Vec3, 3> face = {Vec3(1, 0.2, 0.2), Vec3(1, 0.8, 0.2), Vec3(1, 0.2, 0.8)};  // in the box's side x = 1
   EXPECT_TRUE(may_touch(face, Vec3::Zero(), Vec3::Ones()));
   const std::array<Vec3, 3> corner = {Vec3(1, 1, 1), Vec3(2, 1, 1), Vec3(1, 2, 3)};

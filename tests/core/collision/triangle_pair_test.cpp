@@ -17,9 +17,9 @@ class Random {
   explicit Random(std::uint64_t seed) : random_(seed) {}
   double real(double scale) { return std::uniform_real_distribution<double>(-scale, scale)(random_); }
   Vec3 point(double scale) { return {real(scale), real(scale), real(scale)}; }
-  int whole(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+  int integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
   Vec3 grid_point(int n) {
-    return {static_cast<double>(whole(-n, n)), static_cast<double>(whole(-n, n)), static_cast<double>(whole(-n, n))};
+    return {static_cast<double>(integer(-n, n)), static_cast<double>(integer(-n, n)), static_cast<double>(integer(-n, n))};
   }
 
  private:
@@ -65,23 +65,23 @@ bool segments_meet(const ExactPoint& p, const ExactPoint& q, const ExactPoint& r
 
 bool edge_meets(const ExactPoint& p, const ExactPoint& q, const ExactCorners& t) {
   const ExactPoint n = normal_of(t);
-  const Exact from = dot(n, minus(p, t[0]));
-  const Exact to = dot(n, minus(q, t[0]));
-  if (from * to > 0) return false;
-  if (from == 0 && to == 0) {
+  const Exact p_height = dot(n, minus(p, t[0]));
+  const Exact q_height = dot(n, minus(q, t[0]));
+  if (p_height * q_height > 0) return false;
+  if (p_height == 0 && q_height == 0) {
     if (covers(t, n, p) || covers(t, n, q)) return true;
     for (int i = 0; i < 3; ++i) {
       if (segments_meet(p, q, t[i], t[(i + 1) % 3], n)) return true;
       // Is this corner of t on the segment?
-      const ExactPoint to_p = minus(t[i], p);
-      const ExactPoint way = minus(q, p);
-      if (is_zero(cross(to_p, way)) && dot(to_p, way) >= 0 && dot(to_p, way) <= dot(way, way)) return true;
+      const ExactPoint from_p = minus(t[i], p);
+      const ExactPoint edge = minus(q, p);
+      if (is_zero(cross(from_p, edge)) && dot(from_p, edge) >= 0 && dot(from_p, edge) <= dot(edge, edge)) return true;
     }
     return false;
   }
-  const Exact s = from / (from - to);
-  const ExactPoint way = minus(q, p);
-  return covers(t, n, {p[0] + s * way[0], p[1] + s * way[1], p[2] + s * way[2]});
+  const Exact s = p_height / (p_height - q_height);
+  const ExactPoint edge = minus(q, p);
+  return covers(t, n, {p[0] + s * edge[0], p[1] + s * edge[1], p[2] + s * edge[2]});
 }
 
 bool meet_exactly(const TrianglePair& pair) {
@@ -112,8 +112,8 @@ TEST(IntersectTriangles, LocatesTheSegment) {
   const TriangleContact contact = intersect_triangles(pair);
   ASSERT_TRUE(contact.meets);
   EXPECT_FALSE(contact.coplanar);
-  const Vec3 D = (pair.a[1] - pair.a[0]).cross(pair.a[2] - pair.a[0]).cross((pair.b[1] - pair.b[0]).cross(pair.b[2] - pair.b[0]));
-  EXPECT_GT((contact.end - contact.begin).dot(D), 0.0);
+  const Vec3 direction = (pair.a[1] - pair.a[0]).cross(pair.a[2] - pair.a[0]).cross((pair.b[1] - pair.b[0]).cross(pair.b[2] - pair.b[0]));
+  EXPECT_GT((contact.end - contact.begin).dot(direction), 0.0);
   const Vec3 left = contact.begin.x() < contact.end.x() ? contact.begin : contact.end;
   const Vec3 right = contact.begin.x() < contact.end.x() ? contact.end : contact.begin;
   EXPECT_NEAR((left - Vec3(0, 1, 0)).norm(), 0.0, 1e-15);
@@ -123,11 +123,11 @@ TEST(IntersectTriangles, LocatesTheSegment) {
 // Every kind of contact on a coarse grid: shared corners, edges in planes, coplanar pairs, needles.
 TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
   Random random(11);
-  int met = 0;
+  int meeting = 0;
   int coplanar = 0;
   int touching = 0;
   for (int i = 0; i < 6000; ++i) {
-    const int n = random.whole(1, 3);
+    const int n = random.integer(1, 3);
     TrianglePair pair;
     for (Vec3& p : pair.a) p = random.grid_point(n);
     for (Vec3& p : pair.b) p = random.grid_point(n);
@@ -137,7 +137,7 @@ TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
     const TriangleContact contact = intersect_triangles(pair);
     ASSERT_EQ(contact.meets, meet_exactly(pair)) << i;
     if (!contact.meets) continue;
-    ++met;
+    ++meeting;
     coplanar += contact.coplanar ? 1 : 0;
     touching += contact.begin == contact.end ? 1 : 0;
     for (const Vec3& p : {contact.begin, contact.end}) {
@@ -145,7 +145,7 @@ TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
       ASSERT_LT(outside_by(pair.b, p), 1e-13) << i;
     }
   }
-  EXPECT_GT(met, 1000);
+  EXPECT_GT(meeting, 1000);
   EXPECT_GT(coplanar, 300);
   EXPECT_GT(touching, 100);
 }
@@ -189,12 +189,12 @@ TEST(IntersectTriangles, LocatesWithinItsBound) {
   Random random(14);
   int compared = 0;
   for (int i = 0; i < 20000; ++i) {
-    const double scale = std::ldexp(1.0, random.whole(-40, 40));
-    TrianglePair pair = random_pair(random, scale, random.point(scale * std::ldexp(1.0, random.whole(-5, 5))));
+    const double scale = std::ldexp(1.0, random.integer(-40, 40));
+    TrianglePair pair = random_pair(random, scale, random.point(scale * std::ldexp(1.0, random.integer(-5, 5))));
     if (i % 3 == 0) {  // b nearly in a's plane
-      const double flat = std::pow(10.0, -random.whole(1, 12));
+      const double height_factor = std::pow(10.0, -random.integer(1, 12));
       const Vec3 n = (pair.a[1] - pair.a[0]).cross(pair.a[2] - pair.a[0]).normalized();
-      for (Vec3& p : pair.b) p -= (1.0 - flat) * n.dot(p - pair.a[0]) * n;
+      for (Vec3& p : pair.b) p -= (1.0 - height_factor) * n.dot(p - pair.a[0]) * n;
     }
     const ExtendedContact exact = intersect_extended(pair);
     const TriangleContact contact = intersect_triangles(pair);
@@ -219,7 +219,7 @@ TEST(IntersectTriangles, IgnoresDegenerateTriangles) {
 // --- Eight at once ---------------------------------------------------------------------------------------------------------------
 
 struct Tally {
-  int met = 0;
+  int meeting = 0;
   int apart = 0;
   int undecided = 0;
 };
@@ -242,7 +242,7 @@ Tally count_decisions(const std::vector<TrianglePair>& pairs) {
       }
       const bool meets = (found.meets >> lane & 1) != 0;
       EXPECT_EQ(meets, intersect_triangles(pair).meets) << first + lane;
-      ++(meets ? tally.met : tally.apart);
+      ++(meets ? tally.meeting : tally.apart);
       if (!meets) continue;
       const ExtendedContact exact = intersect_extended(pair);
       EXPECT_EQ(exact.count, 2);
@@ -262,16 +262,16 @@ TEST(Intersect8, IsRightWhereItIsCertain) {
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 80000; ++i) pairs.push_back(random_pair(random, 1.0, Vec3::Zero()));
   const Tally tally = count_decisions(pairs);
-  EXPECT_GT(tally.met, 10000);
+  EXPECT_GT(tally.meeting, 10000);
   EXPECT_GT(tally.apart, 30000);
-  EXPECT_LT(tally.undecided, 2000);  // few random pairs are close cases
+  EXPECT_LT(tally.undecided, 2000);  // close cases are rare among random pairs
 }
 
 TEST(Intersect8, IsRightAtEveryScaleAndPlace) {
   Random random(22);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 40000; ++i) {
-    const double scale = std::ldexp(1.0, random.whole(-20, 20));
+    const double scale = std::ldexp(1.0, random.integer(-20, 20));
     pairs.push_back(random_pair(random, scale, random.point(1e6 * scale)));
   }
   EXPECT_LT(count_decisions(pairs).undecided, 1000);
@@ -282,14 +282,14 @@ TEST(Intersect8, IsRightForUnequalSizes) {
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 40000; ++i) {
     TrianglePair pair = random_pair(random, 1.0, Vec3::Zero());
-    const double small = std::ldexp(1.0, -random.whole(0, 24));
-    const Vec3 onto = (pair.a[0] + pair.a[1] + pair.a[2]) / 3.0;
-    for (Vec3& p : pair.b) p = onto + small * p;
+    const double small = std::ldexp(1.0, -random.integer(0, 24));
+    const Vec3 target = (pair.a[0] + pair.a[1] + pair.a[2]) / 3.0;
+    for (Vec3& p : pair.b) p = target + small * p;
     if (i % 2 != 0) std::swap(pair.a, pair.b);
     pairs.push_back(pair);
   }
   const Tally tally = count_decisions(pairs);
-  EXPECT_GT(tally.met, 2000);
+  EXPECT_GT(tally.meeting, 2000);
 }
 
 // Shallow angles, shallow depths, needles: cases that single precision must report as undecided.
@@ -298,26 +298,26 @@ TEST(Intersect8, LeavesCloseCasesUndecided) {
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 80000; ++i) {
     TrianglePair pair = random_pair(random, 1.0, Vec3::Zero());
-    const double little = std::pow(10.0, -random.whole(1, 9));
+    const double deviation = std::pow(10.0, -random.integer(1, 9));
     const Vec3 n = (pair.a[1] - pair.a[0]).cross(pair.a[2] - pair.a[0]).normalized();
     if (i % 4 == 0) {  // b nearly in a's plane
-      for (Vec3& p : pair.b) p -= (1.0 - little) * n.dot(p - pair.a[0]) * n;
+      for (Vec3& p : pair.b) p -= (1.0 - deviation) * n.dot(p - pair.a[0]) * n;
     } else if (i % 4 == 1) {  // a corner of b just over or under a's plane
-      pair.b[0] -= (n.dot(pair.b[0] - pair.a[0]) - random.real(little)) * n;
+      pair.b[0] -= (n.dot(pair.b[0] - pair.a[0]) - random.real(deviation)) * n;
     } else if (i % 4 == 2) {  // an edge of b past an edge of a
       const Vec3 on_edge = pair.a[0] + (random.real(0.5) + 0.5) * (pair.a[1] - pair.a[0]);
-      pair.b[1] = pair.b[0] + 1.5 * (on_edge + random.point(little) - pair.b[0]);
+      pair.b[1] = pair.b[0] + 1.5 * (on_edge + random.point(deviation) - pair.b[0]);
     } else {  // a needle
-      pair.b[2] = pair.b[0] + (random.real(0.5) + 0.5) * (pair.b[1] - pair.b[0]) + random.point(little);
+      pair.b[2] = pair.b[0] + (random.real(0.5) + 0.5) * (pair.b[1] - pair.b[0]) + random.point(deviation);
     }
     pairs.push_back(pair);
   }
   const Tally tally = count_decisions(pairs);
-  EXPECT_GT(tally.met, 5000);
+  EXPECT_GT(tally.meeting, 5000);
   EXPECT_GT(tally.undecided, 5000);
 }
 
-TEST(PackPair, GivesEveryCornerFromTheFirstOneAndLeavesTheOtherLanes) {
+TEST(PackPair, StoresCornersRelativeToTheFirstAndKeepsTheOtherLanes) {
   Random random(26);
   const TrianglePair pair = random_pair(random, 1.0, Vec3(5.0, -3.0, 2.0));
   for (int lane = 0; lane < 8; ++lane) {
@@ -335,18 +335,18 @@ TEST(PackPair, GivesEveryCornerFromTheFirstOneAndLeavesTheOtherLanes) {
   }
 }
 
-TEST(Intersect8, LeavesDegenerateLanesUnclear) {
+TEST(Intersect8, LeavesDegenerateLanesUndecided) {
   TrianglePairs8 packed;
-  const TrianglePair flat = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
+  const TrianglePair identical = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};
   const TrianglePair point = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0, 0, 0)}};
-  for (int lane = 0; lane < 8; ++lane) pack_pair(lane % 2 == 0 ? flat : point, lane, packed);
+  for (int lane = 0; lane < 8; ++lane) pack_pair(lane % 2 == 0 ? identical : point, lane, packed);
   TriangleContacts8 found;
   intersect_8(packed, found);
   EXPECT_EQ(found.undecided, 0xFF);
   EXPECT_EQ(found.meets, 0);
 }
 
-TEST(IntersectPairs, DecidesAsOneByOne) {
+TEST(IntersectPairs, AgreesWithTheTestOfEachPairAlone) {
   Random random(25);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 4003; ++i) {
@@ -356,6 +356,7 @@ TEST(IntersectPairs, DecidesAsOneByOne) {
   }
   std::vector<TriangleContact> contacts(pairs.size());
   const std::size_t fallbacks = intersect_pairs(pairs, contacts);
+  // Every fifth pair shares a corner, which single precision cannot decide.
   EXPECT_GE(fallbacks, pairs.size() / 5);
   EXPECT_LT(fallbacks, pairs.size() / 4);
   for (std::size_t i = 0; i < pairs.size(); ++i) {

@@ -120,7 +120,7 @@ TEST(UniformGrid, OccupancyOfAKnownScene) {
   EXPECT_EQ(grid->occupancy().cells, 16U);
   EXPECT_EQ(grid->occupancy().occupied_cells, 5U);
   EXPECT_EQ(grid->occupancy().max_triangles_a_cell, 2U);
-  EXPECT_EQ(grid->occupancy().entries, 9U);
+  EXPECT_EQ(grid->occupancy().entries, 9U);  // the two triangles of the sheet in four cells each, and the lone one
   EXPECT_DOUBLE_EQ(grid->occupancy().mean_triangles_a_cell(), 9.0 / 5.0);
   EXPECT_DOUBLE_EQ(grid->occupancy().occupied_share(), 5.0 / 16.0);
 }
@@ -159,7 +159,7 @@ TEST(UniformGrid, ALongThinTriangleCostsTheCellsThatItTouches) {
   EXPECT_LE(grid->work(), 2 * (1 + 2 * 20 * listings));
 }
 
-TEST(UniformGrid, ABoxWithoutEndsHasAllCells) {
+TEST(UniformGrid, AnInfiniteBoxHasAllCells) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const auto& mesh : {made::sheet(1.0, 0.5, 4), made::box(Vec3::Zero(), Vec3::Ones())}) {
     const auto grid = UniformGrid::make(corners_of(mesh), {8, 8, 8});
@@ -196,7 +196,7 @@ TEST(UniformGrid, ABoxThatIsNotANumberHasNoCells) {
   }
 }
 
-TEST(UniformGrid, RejectsWhatItCannotDo) {
+TEST(UniformGrid, RejectsInvalidDivisionsAndAnEmptyScene) {
   const auto triangles = corners_of(made::box(Vec3::Zero(), Vec3::Ones()));
   EXPECT_FALSE(UniformGrid::make(triangles, {0, 32, 32}));
   EXPECT_FALSE(UniformGrid::make(triangles, {32, 1025, 32}));

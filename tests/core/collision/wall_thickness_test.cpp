@@ -18,7 +18,7 @@ ThinWalls find_thin_walls_by_brute_force(const TriangleMesh& mesh, double width)
     bool is_thin = false;
     for_each_thickness_sample(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), width, [&](const Vec3& p) {
       double nearest = width;
-      std::uint32_t met = t;
+      std::uint32_t hit_triangle = t;
       for (std::uint32_t other = 0; other < mesh.triangles.size(); ++other) {
         bool is_neighbour = false;
         for (const std::uint32_t v : mesh.triangles[t]) {
@@ -28,9 +28,9 @@ ThinWalls find_thin_walls_by_brute_force(const TriangleMesh& mesh, double width)
         const auto hit = find_ray_hit(p, -normal(t), nearest, mesh.corner(other, 0), mesh.corner(other, 1), mesh.corner(other, 2));
         if (!hit) continue;
         nearest = *hit;
-        met = other;
+        hit_triangle = other;
       }
-      if (met == t || normal(met).dot(-normal(t)) < kWallCosine) return;
+      if (hit_triangle == t || normal(hit_triangle).dot(-normal(t)) < kWallCosine) return;
       is_thin = true;
       if (!found.thinnest || nearest < found.thinnest->thickness) found.thinnest = {t, p, nearest};
     });

@@ -24,7 +24,7 @@ std::vector<Box> random_boxes(std::size_t count, double largest, std::mt19937_64
   return boxes;
 }
 
-std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
+std::vector<std::uint32_t> items_overlapping(const WideBvh& tree, const Box& query) {
   std::vector<std::uint32_t> found;
   tree.for_each_overlapping(query, [&](std::uint32_t item) { found.push_back(item); });
   std::sort(found.begin(), found.end());
@@ -33,15 +33,15 @@ std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
 
 // Every item that overlaps is found, once. Any other item found overlaps the query if that is grown by the rounding of single precision.
 void expect_same_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, const Box& query) {
-  const std::vector<std::uint32_t> found = found_by(tree, query);
+  const std::vector<std::uint32_t> found = items_overlapping(tree, query);
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
   const double rounding = 4e-6 * (query.high.cwiseAbs().maxCoeff() + query.low.cwiseAbs().maxCoeff() + 4.0);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    const bool here = std::binary_search(found.begin(), found.end(), i);
+    const bool is_found = std::binary_search(found.begin(), found.end(), i);
     if (boxes[i].overlaps(query)) {
-      EXPECT_TRUE(here) << "item " << i << " was missed";
+      EXPECT_TRUE(is_found) << "item " << i << " was missed";
     }
-    if (here) {
+    if (is_found) {
       EXPECT_TRUE(boxes[i].overlaps(query.inflated(rounding))) << "item " << i << " is far from the query";
     }
   }
@@ -80,11 +80,11 @@ TEST(WideBvh, BallQueriesAgreeWithBruteForce) {
       EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
       for (std::uint32_t i = 0; i < boxes.size(); ++i) {
         const double distance = (p - p.cwiseMax(boxes[i].low).cwiseMin(boxes[i].high)).norm();
-        const bool here = std::binary_search(found.begin(), found.end(), i);
+        const bool is_found = std::binary_search(found.begin(), found.end(), i);
         if (distance <= radius) {
-          EXPECT_TRUE(here) << "item " << i << " was missed";
+          EXPECT_TRUE(is_found) << "item " << i << " was missed";
         }
-        if (here) {
+        if (is_found) {
           EXPECT_LE(distance, radius + 4e-6) << "item " << i << " is far from the ball";
         }
       }
@@ -92,7 +92,7 @@ TEST(WideBvh, BallQueriesAgreeWithBruteForce) {
   }
 }
 
-TEST(WideBvh, ABallQueryEndsWhenTheVisitSaysSo) {
+TEST(WideBvh, ABallQueryEndsWhenTheVisitReturnsFalse) {
   std::mt19937_64 random(1998);
   const WideBvh tree(random_boxes(1000, 0.1, random));
   int visited = 0;
@@ -103,29 +103,29 @@ TEST(WideBvh, ABallQueryEndsWhenTheVisitSaysSo) {
 // Every near pair is found, once, from either item. No pair found is farther apart than the margin and the rounding of single precision.
 void expect_near_pairs_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, double margin) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> found;
-  std::array<std::uint32_t, WideBvh::kWidth> item{};
-  unsigned used = 0;
+  std::array<std::uint32_t, WideBvh::kWidth> first_items{};
+  unsigned used_lanes = 0;
   tree.for_each_near_pair(
       margin,
       [&](const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
-        item = items;
-        used = lanes;
+        first_items = items;
+        used_lanes = lanes;
       },
       [&](std::uint32_t other, unsigned lanes) {
-        EXPECT_EQ(lanes & ~used, 0U);
+        EXPECT_EQ(lanes & ~used_lanes, 0U);
         for (int c = 0; c < WideBvh::kWidth; ++c) {
           if ((lanes >> c & 1U) == 0) continue;
-          EXPECT_NE(item[c], other);
-          EXPECT_TRUE(found.insert(std::minmax(item[c], other)).second) << item[c] << " and " << other << " came twice";
+          EXPECT_NE(first_items[c], other);
+          EXPECT_TRUE(found.insert(std::minmax(first_items[c], other)).second) << first_items[c] << " and " << other << " were found twice";
         }
       });
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     for (std::uint32_t j = 0; j < i; ++j) {
-      const bool here = found.count({j, i}) != 0;
+      const bool is_found = found.count({j, i}) != 0;
       if (boxes[i].inflated(margin).overlaps(boxes[j])) {
-        EXPECT_TRUE(here) << i << " and " << j << " were missed";
+        EXPECT_TRUE(is_found) << i << " and " << j << " were missed";
       }
-      if (here) {
+      if (is_found) {
         EXPECT_TRUE(boxes[i].inflated(margin + 1e-5).overlaps(boxes[j])) << i << " and " << j << " are far apart";
       }
     }
@@ -159,23 +159,23 @@ TEST(WideBvh, NearestAgreesWithBruteForce) {
   std::mt19937_64 random(kSeed);
   const std::vector<Box> boxes = random_boxes(5000, 0.02, random);
   const WideBvh tree(boxes);
-  const auto squared = [&](const Vec3& p, std::uint32_t i) {
+  const auto distance_squared = [&](const Vec3& p, std::uint32_t i) {
     return (boxes[i].low - p).cwiseMax(p - boxes[i].high).cwiseMax(0.0).squaredNorm();
   };
   std::uniform_real_distribution<double> place(-2.0, 2.0);
   for (int q = 0; q < 500; ++q) {
     const Vec3 p(place(random), place(random), place(random));
-    double best = std::numeric_limits<double>::infinity();
+    double best_squared = std::numeric_limits<double>::infinity();
     std::size_t visits = 0;
-    tree.visit_nearest(p, best, [&](std::uint32_t item, double bound) {
+    tree.visit_nearest(p, best_squared, [&](std::uint32_t item, double bound) {
       ++visits;
-      best = std::min(bound, squared(p, item));
-      return best;
+      best_squared = std::min(bound, distance_squared(p, item));
+      return best_squared;
     });
-    double brute = std::numeric_limits<double>::infinity();
-    for (std::uint32_t i = 0; i < boxes.size(); ++i) brute = std::min(brute, squared(p, i));
-    EXPECT_EQ(best, brute);
-    EXPECT_LT(visits, boxes.size() / 4) << "the search did not skip";
+    double expected_squared = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) expected_squared = std::min(expected_squared, distance_squared(p, i));
+    EXPECT_EQ(best_squared, expected_squared);
+    EXPECT_LT(visits, boxes.size() / 4) << "the search skips too little";
   }
 }
 
@@ -202,7 +202,7 @@ TEST(WideBvh, ANearestSearchThatIsInterruptedFindsTheSame) {
         while (const auto item = search.next(tree, bound)) {
           found.push_back(*item);
           bound *= shrink;
-          search = WideBvh::NearestSearch(search);  // a copy holds all that the search needs
+          search = WideBvh::NearestSearch(search);  // a copy contains all that the search needs
         }
         ASSERT_EQ(found, expected) << count << " items";
       }
@@ -215,8 +215,8 @@ TEST(WideBvh, AnInfiniteQueryFindsEverythingOnce) {
   const std::vector<Box> boxes = random_boxes(1001, 0.1, random);
   const WideBvh tree(boxes);
   for (const double far : {1e20, 1e200, HUGE_VAL}) {
-    EXPECT_EQ(found_by(tree, Box{Vec3::Constant(-far), Vec3::Constant(far)}).size(), boxes.size());
-    EXPECT_TRUE(found_by(tree, Box{Vec3::Constant(far), Vec3::Constant(far)}).empty());
+    EXPECT_EQ(items_overlapping(tree, Box{Vec3::Constant(-far), Vec3::Constant(far)}).size(), boxes.size());
+    EXPECT_TRUE(items_overlapping(tree, Box{Vec3::Constant(far), Vec3::Constant(far)}).empty());
   }
 }
 
@@ -274,9 +274,9 @@ TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   std::vector<Box> same(100000, Box::around({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}));
   const WideBvh all_the_same(same);
   EXPECT_LE(all_the_same.depth(), WideBvh::kMaxDepth);
-  EXPECT_EQ(found_by(all_the_same, same[0]).size(), same.size());
+  EXPECT_EQ(items_overlapping(all_the_same, same[0]).size(), same.size());
 
-  // Each box is half as far away as the one before: a split by cost alone takes off one place at a time.
+  // Each box is half as far away as the one before: a split by cost alone would separate one position at a time.
   std::vector<Box> shrinking;
   for (int i = 0; i < 4000; ++i) {
     const double x = std::ldexp(1.0, -(i % 120));
@@ -287,7 +287,7 @@ TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   expect_same_as_brute_force(shrinking, skewed, Box::around({0, 0, 0}, {0.3, 0.1, 0.1}));
 
   const WideBvh none(std::span<const Box>{});
-  EXPECT_TRUE(found_by(none, Box::around({-1, -1, -1}, {1, 1, 1})).empty());
+  EXPECT_TRUE(items_overlapping(none, Box::around({-1, -1, -1}, {1, 1, 1})).empty());
 }
 
 // The cut through the empty space costs least, even though it leaves most of the items on one side.
@@ -334,17 +334,17 @@ TEST(WideBvh, RefittedItemsAreFoundWhereTheyAreAndNowhereElse) {
   WideBvh tree(boxes);
   const WideBvh::Parents parents = tree.find_parents();
   ASSERT_EQ(parents.of_item.size(), boxes.size());
-  const std::vector<Box> others = random_boxes(600, 0.3, random);
+  const std::vector<Box> new_boxes = random_boxes(600, 0.3, random);
   for (std::uint32_t i = 0; i < boxes.size(); i += 2) {
-    boxes[i] = i % 6 == 0 ? Box() : others[i];
+    boxes[i] = i % 6 == 0 ? Box() : new_boxes[i];
     tree.refit(i, boxes[i], parents);
   }
   for (const Box& query : random_boxes(60, 0.3, random)) expect_same_as_brute_force(boxes, tree, query);
   // All items move to one place: then no box above them may be larger than necessary.
-  const std::vector<Box> first = random_boxes(600, 0.1, random);
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) tree.refit(i, first[0], parents);
-  EXPECT_EQ(found_by(tree, first[0]).size(), boxes.size());
-  EXPECT_TRUE(found_by(tree, Box::around({-3, -3, -3}, {-2, -2, -2})).empty());
+  const std::vector<Box> places = random_boxes(600, 0.1, random);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) tree.refit(i, places[0], parents);
+  EXPECT_EQ(items_overlapping(tree, places[0]).size(), boxes.size());
+  EXPECT_TRUE(items_overlapping(tree, Box::around({-3, -3, -3}, {-2, -2, -2})).empty());
 }
 
 TEST(WideBvh, QueriesUseNoHeap) {
@@ -352,20 +352,20 @@ TEST(WideBvh, QueriesUseNoHeap) {
   std::mt19937_64 random(3);
   const std::vector<Box> boxes = random_boxes(3000, 0.1, random);
   const WideBvh tree(boxes);
-  std::size_t seen = 0;
+  std::size_t visited = 0;
   const AllocationGuard guard;
-  tree.for_each_overlapping(Box::around({-1, -1, -1}, {1, 1, 1}), [&](std::uint32_t) { ++seen; });
-  tree.for_each_within(Vec3::Zero(), 1.0, [&](std::uint32_t) { return ++seen > 0; });
+  tree.for_each_overlapping(Box::around({-1, -1, -1}, {1, 1, 1}), [&](std::uint32_t) { ++visited; });
+  tree.for_each_within(Vec3::Zero(), 1.0, [&](std::uint32_t) { return ++visited > 0; });
   tree.visit_nearest({3, 0, 0}, 1e9, [&](std::uint32_t, double bound) {
-    ++seen;
+    ++visited;
     return bound;
   });
   EXPECT_EQ(guard.count(), 0U);
-  EXPECT_GT(seen, boxes.size() / 2);
+  EXPECT_GT(visited, boxes.size() / 2);
 }
 
 // The time, 0 to 1 along the motion, at which a segment enters a box grown by `radius`; above 1: it does not enter.
-double time_into(const Box& box, const Vec3& p, const Vec3& motion, double radius) {
+double entry_time(const Box& box, const Vec3& p, const Vec3& motion, double radius) {
   const Box grown = box.inflated(radius);
   double enter = 0.0;
   double leave = 1.0;
@@ -393,42 +393,42 @@ TEST(WideBvh, VisitsAllThatASegmentMeets) {
     if (i % 5 == 0) motion[i % 3] = 0.0;
     if (i % 7 == 0) motion = Vec3::Zero();
     const double radius = i % 2 == 0 ? 0.0 : 0.01;
-    std::set<std::uint32_t> met;
+    std::set<std::uint32_t> visited;
     tree.visit_along(p, motion, radius, 1.0, [&](std::uint32_t item, double until) {
-      EXPECT_TRUE(met.insert(item).second);
+      EXPECT_TRUE(visited.insert(item).second);
       return until;
     });
     for (std::uint32_t item = 0; item < boxes.size(); ++item) {
-      EXPECT_TRUE(time_into(boxes[item], p, motion, radius) > 1.0 || met.count(item) == 1) << "segment " << i << " item " << item;
+      EXPECT_TRUE(entry_time(boxes[item], p, motion, radius) > 1.0 || visited.count(item) == 1) << "segment " << i << " item " << item;
     }
   }
 }
 
-TEST(WideBvh, ASegmentThatEndsSoonerMeetsTheFirstAndVisitsLess) {
+TEST(WideBvh, VisitsThatShortenTheSegmentFindTheFirstBoxWithFewerVisits) {
   std::mt19937_64 random(22);
   std::uniform_real_distribution<double> place(-1.2, 1.2);
   const std::vector<Box> boxes = random_boxes(3000, 0.4, random);
   const WideBvh tree(boxes);
-  std::size_t visited = 0;
-  std::size_t all = 0;
+  std::size_t visits_shortened = 0;
+  std::size_t visits_full = 0;
   for (int i = 0; i < 200; ++i) {
     const Vec3 p(place(random), place(random), place(random));
     const Vec3 motion(place(random), place(random), place(random));
-    double first = 2.0;
+    double first_entry = 2.0;
     tree.visit_along(p, motion, 0.0, 1.0, [&](std::uint32_t item, double until) {
-      ++visited;
-      first = std::min(first, time_into(boxes[item], p, motion, 0.0));
-      return std::min(until, first);
+      ++visits_shortened;
+      first_entry = std::min(first_entry, entry_time(boxes[item], p, motion, 0.0));
+      return std::min(until, first_entry);
     });
     double expected = 2.0;
-    for (const Box& box : boxes) expected = std::min(expected, time_into(box, p, motion, 0.0));
-    EXPECT_EQ(first, expected) << i;
+    for (const Box& box : boxes) expected = std::min(expected, entry_time(box, p, motion, 0.0));
+    EXPECT_EQ(first_entry, expected) << i;
     tree.visit_along(p, motion, 0.0, 1.0, [&](std::uint32_t, double until) {
-      ++all;
+      ++visits_full;
       return until;
     });
   }
-  EXPECT_LT(visited, all / 2);
+  EXPECT_LT(visits_shortened, visits_full / 2);
 }
 
 }  // namespace
