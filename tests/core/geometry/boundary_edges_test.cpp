@@ -20,9 +20,9 @@ TriangleMesh torn(const TriangleMesh& mesh, double share) {
   TriangleMesh apart;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vec3 middle = (mesh.corner(i, 0) + mesh.corner(i, 1) + mesh.corner(i, 2)) / 3.0;
-    const auto at = static_cast<std::uint32_t>(apart.vertices.size());
+    const auto first = static_cast<std::uint32_t>(apart.vertices.size());
     for (int k = 0; k < 3; ++k) apart.vertices.push_back(mesh.corner(i, k) + share * (middle - mesh.corner(i, k)));
-    apart.triangles.push_back({at, at + 1, at + 2});
+    apart.triangles.push_back({first, first + 1, first + 2});
   }
   return apart;
 }
@@ -66,7 +66,7 @@ TEST(BoundaryEdges, AreTheSameFarFromTheOriginAndAtAnyScale) {
   EXPECT_EQ(count_boundary_edges(mesh, 1e-7).open, 0U);
 }
 
-TEST(BoundaryEdges, TakeNoNoticeOfTrianglesThatRepeatAVertex) {
+TEST(BoundaryEdges, IgnoreTrianglesThatRepeatAVertex) {
   TriangleMesh mesh = make_icosphere(0.05, 1);
   mesh.triangles.push_back({0, 0, 1});
   const BoundaryEdges count = count_boundary_edges(mesh, 1e-4);
@@ -121,11 +121,11 @@ TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     for (const double width : {1e-6, 1e-5, 1e-4}) {
       const TriangleMesh apart = scaled_and_moved(make_torn(ball, width), scale, Vec3::Zero());
-      for (const double searched : {2e-4, 1e-3, 1e-2}) {
-        const BoundaryEdges count = count_boundary_edges(apart, scale * searched);
+      for (const double search_width : {2e-4, 1e-3, 1e-2}) {
+        const BoundaryEdges count = count_boundary_edges(apart, scale * search_width);
         EXPECT_EQ(count.open, 0U);
-        EXPECT_LE(count.widest_crack, scale * width) << width << " " << searched;
-        EXPECT_GT(count.widest_crack, 0.3 * scale * width) << width << " " << searched;
+        EXPECT_LE(count.widest_crack, scale * width) << width << " " << search_width;
+        EXPECT_GT(count.widest_crack, 0.3 * scale * width) << width << " " << search_width;
       }
     }
   }
@@ -135,16 +135,16 @@ TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
 // With triangles as large as the mesh, the work per edge grows with their number until it is cut off; has_given_up reports this.
 TEST(BoundaryEdges, TheSearchIsCutOffForRandomTriangles) {
   const TriangleMesh soup = made::soup(5, 2000, 1.0, 1.0);
-  const BoundaryEdges all = count_boundary_edges(soup, 1e-3);
-  EXPECT_FALSE(all.has_given_up);
-  EXPECT_GT(all.work, 20 * 3 * soup.triangles.size()) << "else the bound below says nothing";
-  const BoundaryEdges some = count_boundary_edges(soup, 1e-3, 20);
-  EXPECT_TRUE(some.has_given_up);
-  EXPECT_LT(some.work, 21 * 3 * soup.triangles.size());
-  EXPECT_EQ(some.open + some.cracks, all.open + all.cracks) << "what was not looked at counts as open";
-  EXPECT_LE(some.cracks, all.cracks);
+  const BoundaryEdges full = count_boundary_edges(soup, 1e-3);
+  EXPECT_FALSE(full.has_given_up);
+  EXPECT_GT(full.work, 20 * 3 * soup.triangles.size()) << "else the bound below says nothing";
+  const BoundaryEdges limited = count_boundary_edges(soup, 1e-3, 20);
+  EXPECT_TRUE(limited.has_given_up);
+  EXPECT_LT(limited.work, 21 * 3 * soup.triangles.size());
+  EXPECT_EQ(limited.open + limited.cracks, full.open + full.cracks) << "edges that were not examined count as open";
+  EXPECT_LE(limited.cracks, full.cracks);
   EXPECT_FALSE(count_boundary_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMaxBoundaryWork / 2).has_given_up)
-      << "of a surface, far from it";
+      << "the work for a surface is far below the limit";
 }
 
 // The work is counted, not timed: boxes and points examined per boundary edge, for triangles as large as the space that they are in, for
@@ -154,8 +154,8 @@ TEST(BoundaryEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
     const char* name;
     double space;
     double size;
-    double growth;  // largest growth of the work per edge from 1,000 to 16,000 triangles; the cube root of 16 is 2.5
-    double most;    // largest work per edge
+    double max_growth;  // largest growth of the work per edge from 1,000 to 16,000 triangles; the cube root of 16 is 2.5
+    double max_work;    // largest work per edge
   };
   constexpr double kWidth = 1e-3;
   for (const Case& c :
@@ -164,17 +164,17 @@ TEST(BoundaryEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
       const TriangleMesh soup = made::soup(5, triangles, c.space, c.size);
       return static_cast<double>(count_boundary_edges(soup, kWidth, 1'000'000).work) / static_cast<double>(3 * triangles);
     };
-    const double few = work(1000);
-    const double many = work(16000);
-    EXPECT_LT(many, c.growth * few) << c.name;
-    EXPECT_LT(many, c.most) << c.name;
+    const double work_of_few = work(1000);
+    const double work_of_many = work(16000);
+    EXPECT_LT(work_of_many, c.max_growth * work_of_few) << c.name;
+    EXPECT_LT(work_of_many, c.max_work) << c.name;
   }
-  const auto of_ball = [&](int level) {
+  const auto work_on_ball = [&](int level) {
     const TriangleMesh ball = torn(make_icosphere(0.5, level), 1e-5);
     return static_cast<double>(count_boundary_edges(ball, kWidth).work) / static_cast<double>(3 * ball.triangles.size());
   };
-  EXPECT_LT(of_ball(5), 1.5 * of_ball(3));
-  EXPECT_LT(of_ball(5), 150.0);
+  EXPECT_LT(work_on_ball(5), 1.5 * work_on_ball(3));
+  EXPECT_LT(work_on_ball(5), 150.0);
 }
 
 }  // namespace

@@ -14,33 +14,34 @@ constexpr double kRounding = std::numeric_limits<double>::epsilon();
 // The comparison uses a 113-bit mantissa: with needles, rounding destroys all the extra digits of long double.
 __extension__ typedef __float128 Quad;
 
-struct Wide {
+struct QuadVec3 {
   Quad x, y, z;
-  explicit Wide(const Vec3& v) : x(v.x()), y(v.y()), z(v.z()) {}
-  Wide(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
+  explicit QuadVec3(const Vec3& v) : x(v.x()), y(v.y()), z(v.z()) {}
+  QuadVec3(Quad x_, Quad y_, Quad z_) : x(x_), y(y_), z(z_) {}
 };
-Wide operator-(const Wide& a, const Wide& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Wide operator+(const Wide& a, const Wide& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Wide operator*(Quad s, const Wide& a) { return {s * a.x, s * a.y, s * a.z}; }
-Quad dot(const Wide& a, const Wide& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Wide cross(const Wide& a, const Wide& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-Quad squared_to_segment(const Wide& a, const Wide& b, const Wide& p) {
-  const Wide e = b - a;
+QuadVec3 operator-(const QuadVec3& a, const QuadVec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+QuadVec3 operator+(const QuadVec3& a, const QuadVec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+QuadVec3 operator*(Quad s, const QuadVec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+Quad dot(const QuadVec3& a, const QuadVec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+QuadVec3 cross(const QuadVec3& a, const QuadVec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+Quad squared_distance_to_segment(const QuadVec3& a, const QuadVec3& b, const QuadVec3& p) {
+  const QuadVec3 e = b - a;
   const Quad length2 = dot(e, e);
   Quad t = length2 > 0 ? dot(p - a, e) / length2 : Quad(0);
   t = t < 0 ? Quad(0) : t > 1 ? Quad(1) : t;
-  const Wide off = p - (a + t * e);
+  const QuadVec3 off = p - (a + t * e);
   return dot(off, off);
 }
 
-double reference_distance(const Wide& a, const Wide& b, const Wide& c, const Wide& p) {
-  const Wide n = cross(b - a, c - a);
+double reference_distance(const QuadVec3& a, const QuadVec3& b, const QuadVec3& c, const QuadVec3& p) {
+  const QuadVec3 n = cross(b - a, c - a);
   const Quad n2 = dot(n, n);
   if (n2 > 0 && dot(cross(n, b - a), p - a) >= 0 && dot(cross(n, c - b), p - b) >= 0 && dot(cross(n, a - c), p - c) >= 0) {
     const Quad height = dot(n, p - a);
     return std::sqrt(static_cast<double>(height * height / n2));
   }
-  const Quad best = std::min({squared_to_segment(a, b, p), squared_to_segment(b, c, p), squared_to_segment(c, a, p)});
+  const Quad best =
+      std::min({squared_distance_to_segment(a, b, p), squared_distance_to_segment(b, c, p), squared_distance_to_segment(c, a, p)});
   return std::sqrt(static_cast<double>(best));
 }
 
@@ -63,7 +64,7 @@ TEST_P(ClosestPointOnShape, AgreesWithQuadPrecision) {
     if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
     const Vec3 p = a + u * (b - a) + v * (c - a) + spread * Vec3(symmetric(random), symmetric(random), symmetric(random));
     const ClosestPoint found = closest_point(a, b, c, p);
-    const double expected = reference_distance(Wide(a), Wide(b), Wide(c), Wide(p));
+    const double expected = reference_distance(QuadVec3(a), QuadVec3(b), QuadVec3(c), QuadVec3(p));
     const double scale = std::max({size, (p - a).norm(), a.cwiseAbs().maxCoeff()});
     ASSERT_NEAR(found.distance, expected, 16.0 * kRounding * scale) << name << " at " << p.transpose();
     ASSERT_NEAR((p - found.point).norm(), expected, 32.0 * kRounding * scale);
@@ -74,8 +75,8 @@ TEST_P(ClosestPointOnShape, AgreesWithQuadPrecision) {
       ASSERT_LT((found.direction - (p - found.point).normalized()).norm(), 1e-8);
     }
     if (found.feature != TriangleFeature::face) {
-      const Vec3 weighed = found.barycentric[0] * a + found.barycentric[1] * b + found.barycentric[2] * c;
-      ASSERT_LT((weighed - found.point).norm(), 16.0 * kRounding * scale);
+      const Vec3 from_barycentric = found.barycentric[0] * a + found.barycentric[1] * b + found.barycentric[2] * c;
+      ASSERT_LT((from_barycentric - found.point).norm(), 16.0 * kRounding * scale);
     }
   }
 }

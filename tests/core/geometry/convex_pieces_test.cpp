@@ -37,9 +37,9 @@ bool is_within(const ConvexPiece& piece, const Vec3& p) {
   std::normal_distribution<double> normal;
   for (int i = 0; i < 300; ++i) {
     const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
-    double most = -1e9;
-    for (const Vec3& point : piece) most = std::max(most, direction.dot(point));
-    if (direction.dot(p) > most + 1e-12) return false;
+    double farthest = -1e9;
+    for (const Vec3& point : piece) farthest = std::max(farthest, direction.dot(point));
+    if (direction.dot(p) > farthest + 1e-12) return false;
   }
   return true;
 }
@@ -65,8 +65,8 @@ TEST(ConvexPieces, TheyAreTheSolidUpToTheBound) {
   // A ball with dents of a tenth of its radius.
   const TriangleMesh mesh = made::sphere(1.0, 24, 0.1);
   const PointInMesh solid(mesh);
-  const double most = 0.1;
-  const auto pieces = split_into_convex(mesh, most, 1000);
+  const double max_concavity = 0.1;
+  const auto pieces = split_into_convex(mesh, max_concavity, 1000);
   EXPECT_GT(pieces.size(), 4U);
   EXPECT_LT(pieces.size(), 1000U);
   const auto is_covered = [&](const Vec3& p) {
@@ -74,11 +74,11 @@ TEST(ConvexPieces, TheyAreTheSolidUpToTheBound) {
   };
   for (const Vec3& vertex : mesh.vertices) EXPECT_TRUE(is_covered(vertex)) << vertex.transpose();
   std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> unit(-1.1, 1.1);
+  std::uniform_real_distribution<double> coordinate(-1.1, 1.1);
   int outside = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vec3 p(unit(random), unit(random), unit(random));
-    if (solid.is_inside(p) || solid.compute_distance(p) < 2.0 * most) continue;
+    const Vec3 p(coordinate(random), coordinate(random), coordinate(random));
+    if (solid.is_inside(p) || solid.compute_distance(p) < 2.0 * max_concavity) continue;
     ++outside;
     EXPECT_FALSE(is_covered(p)) << p.transpose();
   }
@@ -104,7 +104,7 @@ TriangleMesh tilted_cube(int squares) {
 }
 
 // How many points and boxes are compared with a plane, per triangle. All corners with all planes would be 3 times the triangles.
-double compared_by_triangle(const TriangleMesh& mesh, double max_concavity, std::size_t pieces) {
+double comparisons_per_triangle(const TriangleMesh& mesh, double max_concavity, std::size_t pieces) {
   std::size_t compared = 0;
   EXPECT_EQ(split_into_convex(mesh, max_concavity, 64, &compared).size(), pieces);
   return static_cast<double>(compared) / static_cast<double>(mesh.triangles.size());
@@ -112,10 +112,10 @@ double compared_by_triangle(const TriangleMesh& mesh, double max_concavity, std:
 
 TEST(ConvexPieces, TheWorkIsNearLinearInTheTriangles) {
   for (const int bands : {12, 24, 48}) {
-    EXPECT_LT(compared_by_triangle(made::sphere(1.0, bands, 0.1), 0.02, 64), 200.0) << bands;
-    EXPECT_LT(compared_by_triangle(made::sphere(1.0, bands), 0.01, 1), 300.0) << bands;
+    EXPECT_LT(comparisons_per_triangle(made::sphere(1.0, bands, 0.1), 0.02, 64), 200.0) << bands;
+    EXPECT_LT(comparisons_per_triangle(made::sphere(1.0, bands), 0.01, 1), 300.0) << bands;
   }
-  for (const int squares : {8, 16, 32}) EXPECT_LT(compared_by_triangle(tilted_cube(squares), 1e-9, 1), 20.0) << squares;
+  for (const int squares : {8, 16, 32}) EXPECT_LT(comparisons_per_triangle(tilted_cube(squares), 1e-9, 1), 20.0) << squares;
 }
 
 TEST(ConvexPieces, NoMoreThanAreAllowed) {

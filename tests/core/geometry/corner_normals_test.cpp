@@ -37,16 +37,16 @@ TEST(CornerNormals, OfABoxAreItsFaces) {
   const TriangleMesh mesh = make_box(Vec3(1, 2, 3), 3);
   CornerNormalReport report;
   const ShadedMesh shaded = shade(mesh, 40.0, report);
-  EXPECT_EQ(report.sharp_edges, 12U * 3U);
-  EXPECT_EQ(report.creased, 8U + 12U * 2U);
+  EXPECT_EQ(report.sharp_edges, 12U * 3U);   // edges of three segments each
+  EXPECT_EQ(report.creased, 8U + 12U * 2U);  // corners, and two vertices within each edge
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 face = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0)).normalized();
     for (int k = 0; k < 3; ++k) EXPECT_LT((shaded.normal(t, k) - face).norm(), 1e-12);
   }
-  CornerNormalReport smooth;
-  const ShadedMesh rounded = shade(mesh, 180.0, smooth);
-  EXPECT_EQ(smooth.sharp_edges, 0U);
-  EXPECT_EQ(smooth.normals, mesh.vertices.size());
+  CornerNormalReport rounded_report;
+  const ShadedMesh rounded = shade(mesh, 180.0, rounded_report);
+  EXPECT_EQ(rounded_report.sharp_edges, 0U);
+  EXPECT_EQ(rounded_report.normals, mesh.vertices.size());
 }
 
 // A box with authored normals as of a rounded one: the normal at each corner points away from the box's middle.
@@ -66,7 +66,7 @@ TEST(CornerNormals, AuthoredOnesReplaceComputedOnes) {
   ShadedMesh shaded = shade(mesh, 40.0, report);
   const std::size_t computed = shaded.normals.size();
   const AuthoredNormalReport authored = use_authored_normals(mesh, shaded);
-  EXPECT_EQ(authored.given, 36U);
+  EXPECT_EQ(authored.given, 36U);  // three for each of 12 triangles
   EXPECT_EQ(authored.used, 36U);
   EXPECT_EQ(shaded.normals.size(), computed + 8U) << "equal ones at a vertex are one";
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -96,8 +96,8 @@ TEST(CornerNormals, AnyNumberOfAuthoredOnesMayMeetAtOneVertex) {
   TriangleMesh mesh;
   mesh.vertices.emplace_back(0.0, 0.0, 0.1);
   for (std::uint32_t t = 0; t < kCount; ++t) {
-    const double turn = 2.0 * std::numbers::pi * t / kCount;
-    mesh.vertices.emplace_back(std::cos(turn), std::sin(turn), 0.0);
+    const double angle = 2.0 * std::numbers::pi * t / kCount;
+    mesh.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.0);
     mesh.triangles.push_back({0, 1 + t, 1 + (t + 1) % kCount});
     const Eigen::Vector3f normal(1e-6F * static_cast<float>(t / 2), 0.0F, 1.0F);
     mesh.authored_normals.push_back({normal, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()});
@@ -120,7 +120,7 @@ TEST(CornerNormals, EqualAuthoredOnesOfTwoVerticesAreNotShared) {
   ShadedMesh shaded = shade(mesh, 40.0, report);
   const std::size_t computed = shaded.normals.size();
   EXPECT_EQ(use_authored_normals(mesh, shaded).used, 18U) << "of the three sides that they leave";
-  EXPECT_EQ(shaded.normals.size(), computed + 7);
+  EXPECT_EQ(shaded.normals.size(), computed + 7);  // the vertices of these sides
 }
 
 TEST(CornerNormals, AMeshWithoutAuthoredOnesKeepsTheComputedOnes) {
@@ -171,9 +171,9 @@ TEST(CornerNormals, FollowMovedVertices) {
   for (Vec3& v : mesh.vertices) v = Vec3(v.x(), 1.3 * v.y(), v.z()) + Vec3(1, 2, 3);
   moved.vertices = mesh.vertices;
   update_corner_normals(moved, moved.triangles.size());
-  const ShadedMesh anew = shade(mesh, 40.0, report);
+  const ShadedMesh rebuilt = shade(mesh, 40.0, report);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) EXPECT_LT((moved.normal(t, k) - anew.normal(t, k)).norm(), 1e-12);
+    for (int k = 0; k < 3; ++k) EXPECT_LT((moved.normal(t, k) - rebuilt.normal(t, k)).norm(), 1e-12);
   }
 }
 

@@ -33,7 +33,7 @@ double widest_gap(const TriangleMesh& mesh) {
   return widest;
 }
 
-TEST(CrackedShapes, GapeAsWideAsRequested) {
+TEST(CrackedShapes, HaveGapsOfTheWidthRequested) {
   for (const double width : {1e-5, 0.9e-4}) {
     for (const TriangleMesh& mesh : {make_torn(make_icosphere(0.5, 2), width), make_shaken(make_icosphere(0.5, 2), width, 1),
                                      make_patched_box(Vec3(1.0, 0.8, 0.6), width, 1), make_patched_sphere(0.5, 0.0, width, 1),

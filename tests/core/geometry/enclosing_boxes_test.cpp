@@ -14,7 +14,7 @@ using Box = EnclosingBoxes::Box;
 
 Box cube(const Vec3& centre, double half) { return {centre - Vec3::Constant(half), centre + Vec3::Constant(half)}; }
 
-TEST(EnclosingBoxes, FindWhatLookingAtEachFinds) {
+TEST(EnclosingBoxes, AgreeWithBruteForce) {
   constexpr std::uint64_t kSeed = 17;
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -44,7 +44,7 @@ TEST(EnclosingBoxes, NoneContainsAnything) {
   EXPECT_EQ(none.comparisons(), 0U);
 }
 
-TEST(EnclosingBoxes, OfThoseApartAQueryLooksAtAFew) {
+TEST(EnclosingBoxes, OfSeparateBoxesAQueryExaminesFew) {
   std::vector<Box> boxes;
   for (int i = 0; i < 32; ++i) {
     for (int k = 0; k < 32; ++k) boxes.push_back(cube(Vec3(3.0 * i, 3.0 * k, 0.0), 1.0));
@@ -59,7 +59,7 @@ TEST(EnclosingBoxes, OfThoseApartAQueryLooksAtAFew) {
   EXPECT_LT(tree.comparisons(), 2048U * 30U) << "10 levels of nodes; one by one: 1024 each";
 }
 
-TEST(EnclosingBoxes, OfThoseInsideEachOtherAQueryLooksAtAFew) {
+TEST(EnclosingBoxes, OfNestedBoxesAQueryExaminesFew) {
   std::vector<Box> shells;
   for (int i = 1; i <= 1000; ++i) shells.push_back(cube(Vec3::Zero(), i));
   EnclosingBoxes tree(shells);

@@ -18,7 +18,7 @@ Vec3 random_vector(std::mt19937_64& random) {
   return {x, y, normal(random)};
 }
 
-TEST(FarPoints, FindsWhatLookingAtEachPointFinds) {
+TEST(FarPoints, FarthestAgreesWithBruteForce) {
   constexpr std::uint64_t kSeed = 3;
   std::mt19937_64 random(kSeed);
   for (const double scale : {1e-6, 1.0, 1e6}) {
@@ -46,9 +46,9 @@ TEST(FarPoints, WithoutPointsOrExtentNothingIsFarther) {
   EXPECT_EQ(same.find_farthest(Vec3::UnitZ(), Vec3::Zero(), 0.5), 3.0);
 }
 
-// Each query is from the tangent plane of a point on a sphere: it looks at about the square root of the points' number, not at all of them.
-TEST(FarPoints, OfACurvedSurfaceAQueryLooksAtAFew) {
-  for (const std::size_t count : {16000U, 64000U}) {  // of fewer, the bound is about all of them
+// Each query is from the tangent plane of a point on a sphere: it examines about the square root of the number of points, not all of them.
+TEST(FarPoints, OnACurvedSurfaceAQueryExaminesFewPoints) {
+  for (const std::size_t count : {16000U, 64000U}) {  // for fewer, the bound would be about their number
     std::mt19937_64 random(5);
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < count; ++i) points.push_back(random_vector(random).normalized());
@@ -59,7 +59,7 @@ TEST(FarPoints, OfACurvedSurfaceAQueryLooksAtAFew) {
 }
 
 // A distance that is allowed (`least`) bounds the work, however fine the surface is.
-TEST(FarPoints, WhatIsAllowedBoundsTheWorkHoweverManyPointsThereAre) {
+TEST(FarPoints, AnAllowedDistanceBoundsTheWorkHoweverManyPointsThereAre) {
   for (const std::size_t count : {1000U, 4000U, 16000U, 64000U}) {
     std::mt19937_64 random(5);
     std::vector<Vec3> points;
@@ -70,8 +70,8 @@ TEST(FarPoints, WhatIsAllowedBoundsTheWorkHoweverManyPointsThereAre) {
   }
 }
 
-// Points that are equally far, such as those on the rim of a notch, are not looked at one by one.
-TEST(FarPoints, OfEquallyFarPointsAFewAreLookedAt) {
+// Points that are equally far, such as those on the rim of a notch, are not examined one by one.
+TEST(FarPoints, OfEquallyFarPointsFewAreExamined) {
   std::vector<Vec3> points;
   for (int i = 0; i < 100; ++i) {
     for (int k = 0; k < 100; ++k) points.emplace_back(i, k, 0.0);

@@ -13,8 +13,8 @@ TEST(KeyTable, GivesEachKeyItsFirstNumber) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
-  for (const std::size_t room : {std::size_t{0}, std::size_t{20'000}}) {
-    KeyTable<2> table(room);
+  for (const std::size_t expected_count : {std::size_t{0}, std::size_t{20'000}}) {
+    KeyTable<2> table(expected_count);
     std::map<KeyTable<2>::Key, std::uint32_t> expected;
     for (std::uint32_t n = 0; n < 20'000; ++n) {
       const KeyTable<2>::Key key = {random() % 100, random() % 100};

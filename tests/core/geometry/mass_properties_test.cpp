@@ -12,11 +12,11 @@ namespace {
 
 // The inertia per mass of a box a x b x c about its first axis is (b^2 + c^2) / 12. Far from the origin, cancellation would show.
 TEST(MassProperties, OfABoxAreInClosedForm) {
-  for (const double away : {0.0, 1e3, 1e6}) {
-    const Vec3 low(away, -away, 2.0 * away);
+  for (const double offset : {0.0, 1e3, 1e6}) {
+    const Vec3 low(offset, -offset, 2.0 * offset);
     const auto box = compute_mass_properties(made::box(low, low + Vec3(1, 2, 3)));
     ASSERT_TRUE(box);
-    const double error = 1e-14 * (1.0 + away);
+    const double error = 1e-14 * (1.0 + offset);
     EXPECT_NEAR(box->volume, 6.0, 60 * error);
     EXPECT_LT((box->centre - low - Vec3(0.5, 1.0, 1.5)).norm(), 10 * error);
     const Vec3 expected = Vec3(4.0 + 9.0, 1.0 + 9.0, 1.0 + 4.0) / 12.0;
@@ -26,14 +26,14 @@ TEST(MassProperties, OfABoxAreInClosedForm) {
 
 // The inertia per mass of a ball is 2 r^2 / 5. A mesh of flat triangles inside it has less; the missing part falls with their size squared.
 TEST(MassProperties, OfABallAreThoseOfItsLimit) {
-  double last = 1.0;
+  double last_missing = 1.0;
   for (const int bands : {10, 20, 40}) {
     const auto ball = compute_mass_properties(made::sphere(0.3, bands));
     ASSERT_TRUE(ball);
     EXPECT_LT(ball->centre.norm(), 1e-12);
     const double missing = 1.0 - ball->volume / (4.0 / 3.0 * std::numbers::pi * 0.027);
-    EXPECT_LT(missing, 0.3 * last);
-    last = missing;
+    EXPECT_LT(missing, 0.3 * last_missing);
+    last_missing = missing;
     const double inertia = ball->inertia_per_mass.trace() / 3.0;
     EXPECT_NEAR(inertia, 0.4 * 0.09, 1.1 * missing * 0.4 * 0.09);
   }

@@ -18,7 +18,7 @@ using MedianNode = MedianTree::Node;
 
 constexpr std::uint32_t kLeafSize = 4;
 
-std::vector<Vec3> scattered(std::uint64_t seed, std::size_t count, bool has_copies) {
+std::vector<Vec3> scattered_points(std::uint64_t seed, std::size_t count, bool has_copies) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   std::vector<Vec3> points;
@@ -37,7 +37,7 @@ TEST(MedianTree, HalvesTheItemsOfEachNodeAlongTheLongestSide) {
   for (const std::uint64_t seed : {1U, 2U}) {
     for (const std::size_t count : {1U, 4U, 5U, 8U, 1000U}) {
       for (const bool has_copies : {false, true}) {
-        std::vector<Vec3> points = scattered(seed, count, has_copies);
+        std::vector<Vec3> points = scattered_points(seed, count, has_copies);
         const MedianTree tree = tree_over(points);
         ASSERT_EQ(tree.nodes().front().last, count);
         for (std::size_t n = 0; n < tree.nodes().size(); ++n) {
@@ -73,8 +73,8 @@ TEST(MedianTree, SortsByThePlaceAndEnclosesTheExtent) {
 }
 
 // The items are numbers of points; most of the points are at the same place as others.
-TEST(MedianTree, OfNumbersDoesNotDependOnTheOrderInWhichTheyCame) {
-  const std::vector<Vec3> points = scattered(3, 500, true);
+TEST(MedianTree, OfNumbersDoesNotDependOnTheirOrder) {
+  const std::vector<Vec3> points = scattered_points(3, 500, true);
   const auto place_of = [&](std::uint32_t i) -> const Vec3& { return points[i]; };
   std::vector<std::uint32_t> items(points.size());
   std::iota(items.begin(), items.end(), 0U);
@@ -92,29 +92,29 @@ TEST(MedianTree, OfNumbersDoesNotDependOnTheOrderInWhichTheyCame) {
 
 TEST(MedianTree, VisitsTheNearestFirst) {
   for (const std::uint64_t seed : {5U, 6U}) {
-    std::vector<Vec3> points = scattered(seed, 2000, true);
+    std::vector<Vec3> points = scattered_points(seed, 2000, true);
     const MedianTree tree = tree_over(points);
-    for (const Vec3& p : scattered(seed + 10, 50, false)) {
-      std::size_t looked_at = 0;
+    for (const Vec3& p : scattered_points(seed + 10, 50, false)) {
+      std::size_t examined = 0;
       double nearest = std::numeric_limits<double>::infinity();
       tree.visit_nearest_first([&](std::uint32_t number) { return squared_distance(tree.nodes()[number], p); },
-                               [&](double away) { return away < nearest; },
+                               [&](double squared) { return squared < nearest; },
                                [&](const MedianNode& leaf) {
                                  for (std::uint32_t i = leaf.first; i < leaf.last; ++i) {
                                    nearest = std::min(nearest, (points[i] - p).squaredNorm());
-                                   ++looked_at;
+                                   ++examined;
                                  }
                                });
-      double of_all = std::numeric_limits<double>::infinity();
-      for (const Vec3& point : points) of_all = std::min(of_all, (point - p).squaredNorm());
-      EXPECT_EQ(nearest, of_all) << seed;
-      EXPECT_LT(looked_at, points.size() / 10) << seed;
+      double expected = std::numeric_limits<double>::infinity();
+      for (const Vec3& point : points) expected = std::min(expected, (point - p).squaredNorm());
+      EXPECT_EQ(nearest, expected) << seed;
+      EXPECT_LT(examined, points.size() / 10) << seed;
     }
   }
 }
 
 TEST(MedianTree, OfTwoAtTheSameDistanceVisitsTheLeftFirst) {
-  std::vector<Vec3> points = scattered(7, 100, false);
+  std::vector<Vec3> points = scattered_points(7, 100, false);
   const MedianTree tree = tree_over(points);
   std::uint32_t next = 0;
   tree.visit_nearest_first([](std::uint32_t) { return 0.0; }, [](double) { return true; },
@@ -128,13 +128,13 @@ TEST(MedianTree, OfTwoAtTheSameDistanceVisitsTheLeftFirst) {
 // Each query takes the points near `p` that no earlier query took.
 TEST(MedianTree, VisitsWhatIsOpenAndCountsWhatIsFinished) {
   for (const std::uint64_t seed : {8U, 9U}) {
-    std::vector<Vec3> points = scattered(seed, 2000, true);
+    std::vector<Vec3> points = scattered_points(seed, 2000, true);
     MedianTree tree = tree_over(points);
     std::vector<bool> is_taken(points.size(), false);
-    for (const Vec3& p : scattered(seed + 10, 50, false)) {
-      std::vector<std::uint32_t> all;
+    for (const Vec3& p : scattered_points(seed + 10, 50, false)) {
+      std::vector<std::uint32_t> expected;
       for (std::uint32_t i = 0; i < points.size(); ++i) {
-        if (!is_taken[i] && (points[i] - p).norm() < 0.3) all.push_back(i);
+        if (!is_taken[i] && (points[i] - p).norm() < 0.3) expected.push_back(i);
       }
       std::vector<std::uint32_t> found;
       tree.visit_open([&](const MedianNode& node) { return node.open_items != 0 && squared_distance(node, p) < 0.1; },
@@ -144,7 +144,7 @@ TEST(MedianTree, VisitsWhatIsOpenAndCountsWhatIsFinished) {
                         is_taken[i] = true;
                         return true;
                       });
-      EXPECT_EQ(found, all) << seed;
+      EXPECT_EQ(found, expected) << seed;
       for (const MedianNode& node : tree.nodes()) {
         EXPECT_EQ(node.open_items, std::count(is_taken.begin() + node.first, is_taken.begin() + node.last, false)) << seed;
       }
@@ -156,11 +156,11 @@ TEST(MedianTree, OfNothingHasNoNodes) {
   std::vector<Vec3> none;
   MedianTree tree = tree_over(none);
   EXPECT_TRUE(tree.nodes().empty());
-  const auto refuse = [](const auto&) { ADD_FAILURE(); };
-  tree.visit_nearest_first([](std::uint32_t) { return 0.0; }, [](double) { return true; }, refuse);
+  const auto fail = [](const auto&) { ADD_FAILURE(); };
+  tree.visit_nearest_first([](std::uint32_t) { return 0.0; }, [](double) { return true; }, fail);
   tree.visit_open([](const MedianNode&) { return true; },
                   [&](std::uint32_t i) {
-                    refuse(i);
+                    fail(i);
                     return false;
                   });
 }

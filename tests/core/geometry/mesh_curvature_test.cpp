@@ -13,9 +13,9 @@
 namespace hapton {
 namespace {
 
-double worst_relative_error(const TriangleMesh& mesh, double wanted) {
+double worst_relative_error(const TriangleMesh& mesh, double expected) {
   double worst = 0.0;
-  for (const double curvature : compute_mean_curvature(mesh)) worst = std::max(worst, std::abs(curvature / wanted - 1.0));
+  for (const double curvature : compute_mean_curvature(mesh)) worst = std::max(worst, std::abs(curvature / expected - 1.0));
   return worst;
 }
 

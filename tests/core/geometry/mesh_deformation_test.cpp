@@ -20,20 +20,20 @@ TEST(MeshDeformation, IsTheSumOfItsTargetsByTheirWeights) {
   EXPECT_DOUBLE_EQ(weights[0], 0.25);
   EXPECT_DOUBLE_EQ(weights[1], 0.75);
   const std::vector<Vec3> rest(4, Vec3(5, 5, 5));
-  const auto at = deformation.vertices_at(rest, weights);
-  EXPECT_EQ(at[0], Vec3(5, 5, 5.75));
-  EXPECT_EQ(at[1], Vec3(5.25, 5, 2));
-  EXPECT_EQ(at[2], rest[2]);
-  EXPECT_EQ(at[3], Vec3(5, 5.5, 5));
+  const auto deformed = deformation.vertices_at(rest, weights);
+  EXPECT_EQ(deformed[0], Vec3(5, 5, 5.75));
+  EXPECT_EQ(deformed[1], Vec3(5.25, 5, 2));
+  EXPECT_EQ(deformed[2], rest[2]);
+  EXPECT_EQ(deformed[3], Vec3(5, 5.5, 5));
 }
 
-TEST(MeshDeformation, StaysBeforeAndAfterItsKeysOrBeginsAgain) {
+TEST(MeshDeformation, KeepsItsFirstAndLastWeightsOrLoops) {
   const MeshDeformation once = two_targets(false);
   EXPECT_EQ(once.weights_at(-1.0), once.weights_at(0.5));
   EXPECT_EQ(once.weights_at(99.0), once.weights_at(2.5));
-  const MeshDeformation round = two_targets(true);
-  for (const double time : {0.0, 0.6, 1.7, 2.4}) EXPECT_NEAR(round.weights_at(time + 5.0)[0], round.weights_at(time)[0], 1e-12) << time;
-  EXPECT_NEAR(round.time_in_loop(7.6), 0.1, 1e-12);
+  const MeshDeformation looping = two_targets(true);
+  for (const double time : {0.0, 0.6, 1.7, 2.4}) EXPECT_NEAR(looping.weights_at(time + 5.0)[0], looping.weights_at(time)[0], 1e-12) << time;
+  EXPECT_NEAR(looping.time_in_loop(7.6), 0.1, 1e-12);
 }
 
 // By brute force, no vertex moves farther than the bound; the speed of the fastest vertex is the one computed by hand.

@@ -80,33 +80,33 @@ TEST(MeshShapes, FlippedHasNegativeVolumeAndJoinedAddsUp) {
 }
 
 // The normal curvature along each edge is computed from the turn of the normal between its ends.
-TEST(MeshShapes, ARoughSphereBendsAsMuchAsSaid) {
-  const double bend = 0.0007;
-  const TriangleMesh mesh = make_rough_sphere(0.01, bend, 0.0025, 80000, 3);
+TEST(MeshShapes, ARoughSphereHasTheCurvatureRequested) {
+  const double curvature_radius = 0.0007;
+  const TriangleMesh mesh = make_rough_sphere(0.01, curvature_radius, 0.0025, 80000, 3);
   EXPECT_EQ(mesh.triangles.size(), 81920u);
   std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vec3 n = (mesh.corner(i, 1) - mesh.corner(i, 0)).cross(mesh.corner(i, 2) - mesh.corner(i, 0));
     for (const std::uint32_t vertex : mesh.triangles[i]) normals[vertex] += n;
   }
-  double squares = 0.0;
-  std::size_t sharp = 0, edges = 0;
+  double sum_of_squares = 0.0;
+  std::size_t sharp_edges = 0, edges = 0;
   for (const Triangle& triangle : mesh.triangles) {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
       const Vec3 edge = mesh.vertices[b] - mesh.vertices[a];
       const double curvature = (normals[b].normalized() - normals[a].normalized()).dot(edge) / edge.squaredNorm();
-      squares += curvature * curvature;
-      sharp += curvature > 1.0 / 0.001 ? 1 : 0;  // convex, and sharper than 1 mm
+      sum_of_squares += curvature * curvature;
+      sharp_edges += curvature > 1.0 / 0.001 ? 1 : 0;  // convex, and sharper than 1 mm
       ++edges;
     }
   }
-  const double mean = 1.0 / std::sqrt(squares / static_cast<double>(edges));
-  EXPECT_GT(mean, 0.5 * bend);
-  EXPECT_LT(mean, 2.0 * bend);  // on slopes the surface bends less
-  EXPECT_GT(sharp, edges / 10);
-  EXPECT_EQ(make_rough_sphere(0.01, bend, 0.0025, 80000, 3).vertices, mesh.vertices);
-  EXPECT_NE(make_rough_sphere(0.01, bend, 0.0025, 80000, 4).vertices, mesh.vertices);
+  const double rms_radius = 1.0 / std::sqrt(sum_of_squares / static_cast<double>(edges));
+  EXPECT_GT(rms_radius, 0.5 * curvature_radius);
+  EXPECT_LT(rms_radius, 2.0 * curvature_radius);  // on slopes the surface bends less
+  EXPECT_GT(sharp_edges, edges / 10);
+  EXPECT_EQ(make_rough_sphere(0.01, curvature_radius, 0.0025, 80000, 3).vertices, mesh.vertices);
+  EXPECT_NE(make_rough_sphere(0.01, curvature_radius, 0.0025, 80000, 4).vertices, mesh.vertices);
 }
 
 }  // namespace

@@ -71,10 +71,10 @@ TEST(NormalFans, AnyNumberOfNormalsMayMeetAtOneVertex) {
   ShadedMesh cone;
   cone.vertices.emplace_back(0.0, 0.0, 1.0);
   for (std::uint32_t t = 0; t < kCount; ++t) {
-    const double turn = 2.0 * std::numbers::pi * t / kCount;
-    cone.vertices.emplace_back(std::cos(turn), std::sin(turn), 0.0);
+    const double angle = 2.0 * std::numbers::pi * t / kCount;
+    cone.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.0);
     cone.triangles.push_back({0, 1 + t, 1 + (t + 1) % kCount});
-    cone.normals.push_back(Vec3(std::cos(turn), std::sin(turn), 1.0).normalized());
+    cone.normals.push_back(Vec3(std::cos(angle), std::sin(angle), 1.0).normalized());
     cone.corner_normals.push_back({t, t, t});
     cone.source.push_back(t);
   }
@@ -82,9 +82,9 @@ TEST(NormalFans, AnyNumberOfNormalsMayMeetAtOneVertex) {
   EXPECT_EQ(report.edge_fans, 2 * kCount);
   EXPECT_EQ(report.corner_fans, kCount - 2) << "one ring around the tip";
   EXPECT_EQ(report.open_corners, kCount) << "around the base";
-  const Triangle ring = cone.corner_normals.back();
+  const Triangle last_fan = cone.corner_normals.back();
   EXPECT_EQ(cone.corner_normals.size(), kCount + report.edge_fans + report.corner_fans);
-  EXPECT_EQ(ring, (Triangle{kCount - 1, kCount - 3, kCount - 2}));
+  EXPECT_EQ(last_fan, (Triangle{kCount - 1, kCount - 3, kCount - 2}));
 }
 
 }  // namespace

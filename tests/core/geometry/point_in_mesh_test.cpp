@@ -73,19 +73,19 @@ TEST(PointInMesh, InvertedAndFarAway) {
 }
 
 // Each triangle of the cylinder's side reaches over all rows of cells. With larger cells the answers are the same.
-TEST(PointInMesh, LargeTrianglesAreListedNoOftenerThanGiven) {
-  constexpr std::size_t kMost = 4;  // listings per triangle
+TEST(PointInMesh, LargeTrianglesAreListedNoMoreOftenThanTheLimit) {
+  constexpr std::size_t kMaxListings = 4;  // per triangle
   const TriangleMesh mesh = make_cylinder(1.0, 1.0, 600);
-  const PointInMesh all(mesh);
-  const PointInMesh few(mesh, 1e-7, kMost);
-  EXPECT_GT(all.listings(), kMost * mesh.triangles.size());
-  EXPECT_LE(few.listings(), kMost * mesh.triangles.size());
-  EXPECT_GE(few.listings(), mesh.triangles.size());
+  const PointInMesh unlimited(mesh);
+  const PointInMesh limited(mesh, 1e-7, kMaxListings);
+  EXPECT_GT(unlimited.listings(), kMaxListings * mesh.triangles.size());
+  EXPECT_LE(limited.listings(), kMaxListings * mesh.triangles.size());
+  EXPECT_GE(limited.listings(), mesh.triangles.size());
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> symmetric(-1.1, 1.1);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p(symmetric(random), symmetric(random), symmetric(random));
-    ASSERT_EQ(few.is_inside(p), all.is_inside(p)) << p.transpose();
+    ASSERT_EQ(limited.is_inside(p), unlimited.is_inside(p)) << p.transpose();
   }
 }
 

@@ -55,7 +55,7 @@ TEST(RepairMesh, ZeroAndMinusZeroAreOnePosition) {
 
 TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1));
-  const std::size_t clean = mesh.triangles.size();
+  const std::size_t clean_triangles = mesh.triangles.size();
   const Triangle t = mesh.triangles[3];
   mesh.triangles.insert(mesh.triangles.begin() + 1, Triangle{t[0], t[0], t[1]});
   mesh.triangles.push_back({t[1], t[2], t[0]});  // the same triangle, starting at another vertex
@@ -67,7 +67,7 @@ TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   EXPECT_EQ(report.dropped_duplicates, 1U);
   EXPECT_EQ(report.double_faces, 1U);
   EXPECT_EQ(report.nonmanifold_edges, 3U);
-  ASSERT_EQ(repaired.triangles.size(), clean + 1);
+  ASSERT_EQ(repaired.triangles.size(), clean_triangles + 1);
   EXPECT_EQ(source[0], 0U);
   EXPECT_EQ(source[1], 2U);
 }
@@ -91,20 +91,20 @@ TEST(RepairMesh, FlipsTheMinority) {
 
 TEST(RepairMesh, LeavesAMoebiusStripAlone) {
   TriangleMesh mesh;
-  constexpr std::uint32_t kAround = 12;
-  for (std::uint32_t i = 0; i < kAround; ++i) {
-    const double a = 2.0 * 3.14159265358979 * i / kAround;
+  constexpr std::uint32_t kSegments = 12;
+  for (std::uint32_t i = 0; i < kSegments; ++i) {
+    const double a = 2.0 * 3.14159265358979 * i / kSegments;
     for (const double s : {-0.3, 0.3}) {
       const double r = 1.0 + s * std::cos(a / 2);
       mesh.vertices.emplace_back(r * std::cos(a), r * std::sin(a), s * std::sin(a / 2));
     }
   }
-  for (std::uint32_t i = 0; i < kAround; ++i) {
+  for (std::uint32_t i = 0; i < kSegments; ++i) {
     const std::uint32_t a = 2 * i;
     const std::uint32_t b = 2 * i + 1;
-    const bool last = i + 1 == kAround;
-    const std::uint32_t c = last ? 1 : 2 * i + 2;
-    const std::uint32_t d = last ? 0 : 2 * i + 3;
+    const bool is_last = i + 1 == kSegments;
+    const std::uint32_t c = is_last ? 1 : 2 * i + 2;
+    const std::uint32_t d = is_last ? 0 : 2 * i + 3;
     mesh.triangles.push_back({a, c, b});
     mesh.triangles.push_back({b, c, d});
   }
@@ -128,7 +128,7 @@ TEST(RepairMesh, CountsWhatItCannotRepair) {
   repair_mesh(mesh, report);
   EXPECT_EQ(report.empty_area, 1U);
   EXPECT_EQ(report.needles, 1U);
-  EXPECT_EQ(report.boundary_edges, 8U + 4U);
+  EXPECT_EQ(report.boundary_edges, 8U + 4U);  // of the grid, and of the two triangles beside it
   EXPECT_EQ(report.pieces, 2U);
   EXPECT_NE(report.describe().find("1 needles"), std::string::npos);
 }

@@ -36,10 +36,10 @@ double sum_of_squares(const ScreenRectangle& screen, const ScreenCorners& touche
   return sum;
 }
 
-ScreenCorners touch(const ScreenRectangle& screen, double sigma_m, std::mt19937_64& random) {
-  std::normal_distribution<double> off(0.0, sigma_m);
+ScreenCorners touched_corners(const ScreenRectangle& screen, double sigma_m, std::mt19937_64& random) {
+  std::normal_distribution<double> error(0.0, sigma_m);
   ScreenCorners corners = find_corners(screen);
-  for (Vec3& p_W : corners) p_W += Vec3(off(random), off(random), off(random));
+  for (Vec3& p_W : corners) p_W += Vec3(error(random), error(random), error(random));
   return corners;
 }
 
@@ -96,10 +96,10 @@ TEST(ScreenRectangle, NoRectangleNearbyIsCloserToTouchedCorners) {
   std::normal_distribution<double> normal;
   for (const ScreenRectangle& screen : screens()) {
     for (int i = 0; i < 50; ++i) {
-      const ScreenCorners touched = touch(screen, 0.0005, random);
+      const ScreenCorners touched = touched_corners(screen, 0.0005, random);
       const auto fit = fit_screen(touched);
       ASSERT_TRUE(fit) << fit.error().what;
-      const double least = sum_of_squares(fit->screen, touched);
+      const double fitted_sum = sum_of_squares(fit->screen, touched);
       for (const double step : {1e-3, 1e-5}) {
         for (int k = 0; k < 20; ++k) {
           ScreenRectangle other = fit->screen;
@@ -108,7 +108,7 @@ TEST(ScreenRectangle, NoRectangleNearbyIsCloserToTouchedCorners) {
           other.X_WR.rotate(Eigen::AngleAxisd(n(), Vec3(normal(random), normal(random), normal(random)).normalized()));
           other.width_m += n();
           other.height_m += n();
-          EXPECT_GE(sum_of_squares(other, touched), least - 1e-16) << "seed " << kSeed << ", fit " << i;
+          EXPECT_GE(sum_of_squares(other, touched), fitted_sum - 1e-16) << "seed " << kSeed << ", fit " << i;
         }
       }
       EXPECT_TRUE(fit->screen.X_WR.linear().isUnitary(1e-12));
@@ -124,19 +124,19 @@ TEST(ScreenRectangle, ErrorsOfTouchesAreAveraged) {
   constexpr double kSigmaM = 0.0005;
   std::mt19937_64 random(kSeed);
   const ScreenRectangle screen = screens()[1];
-  double centre = 0.0;
-  double width = 0.0;
-  double turned = 0.0;
+  double centre_variance = 0.0;
+  double width_variance = 0.0;
+  double turn_variance = 0.0;
   for (int i = 0; i < kFits; ++i) {
-    const auto fit = fit_screen(touch(screen, kSigmaM, random));
+    const auto fit = fit_screen(touched_corners(screen, kSigmaM, random));
     ASSERT_TRUE(fit) << "seed " << kSeed << ", fit " << i;
-    centre += (fit->screen.X_WR.translation() - screen.X_WR.translation()).squaredNorm() / 3.0 / kFits;
-    width += std::pow(fit->screen.width_m - screen.width_m, 2) / kFits;
-    turned += std::pow((screen.X_WR.linear().transpose() * fit->screen.X_WR.linear())(2, 0), 2) / kFits;  // about y
+    centre_variance += (fit->screen.X_WR.translation() - screen.X_WR.translation()).squaredNorm() / 3.0 / kFits;
+    width_variance += std::pow(fit->screen.width_m - screen.width_m, 2) / kFits;
+    turn_variance += std::pow((screen.X_WR.linear().transpose() * fit->screen.X_WR.linear())(2, 0), 2) / kFits;  // about y
   }
-  EXPECT_NEAR(std::sqrt(centre), 0.5 * kSigmaM, 0.01 * kSigmaM);
-  EXPECT_NEAR(std::sqrt(width), kSigmaM, 0.02 * kSigmaM);
-  EXPECT_NEAR(std::sqrt(turned), kSigmaM / screen.width_m, 0.02 * kSigmaM / screen.width_m);
+  EXPECT_NEAR(std::sqrt(centre_variance), 0.5 * kSigmaM, 0.01 * kSigmaM);
+  EXPECT_NEAR(std::sqrt(width_variance), kSigmaM, 0.02 * kSigmaM);
+  EXPECT_NEAR(std::sqrt(turn_variance), kSigmaM / screen.width_m, 0.02 * kSigmaM / screen.width_m);
 }
 
 // Which errors of touches the limit of the residuals accepts, which it rejects, and how wrong an accepted rectangle can be.
@@ -146,25 +146,26 @@ TEST(ScreenRectangle, CarefulTouchesAreAcceptedAndAWrongCornerIsNot) {
   std::mt19937_64 random(kSeed);
   const ScreenRectangle screen = make_screen({0.0, 0.0, 0.0}, Quat::Identity(), 0.2, 0.15);  // diagonal 250 mm
   int rejected = 0;
-  for (int i = 0; i < kFits; ++i) rejected += fit_screen(touch(screen, 0.001, random)) ? 0 : 1;
+  for (int i = 0; i < kFits; ++i) rejected += fit_screen(touched_corners(screen, 0.001, random)) ? 0 : 1;
   EXPECT_LE(rejected, 4 * kFits / 1000) << "seed " << kSeed;
 
+  // The residuals may be 1 % of the diagonal. That of a single wrong corner is a quarter of its error; the fit leaves three quarters.
   std::normal_distribution<double> normal;
-  double most_off_m = 0.0;
+  double largest_error_m = 0.0;
   for (int i = 0; i < kFits; ++i) {
     ScreenCorners corners = find_corners(screen);
     const double e_m = 0.02 * std::uniform_real_distribution<double>()(random);
-    const std::size_t wrong = random() % 4;
-    corners[wrong] += e_m * Vec3(normal(random), normal(random), normal(random)).normalized();
+    const std::size_t wrong_corner = random() % 4;
+    corners[wrong_corner] += e_m * Vec3(normal(random), normal(random), normal(random)).normalized();
     const auto fit = fit_screen(corners);
     EXPECT_TRUE(fit || e_m > 0.01 * 0.25) << e_m;
     EXPECT_FALSE(fit && e_m > 1.02 * 0.04 * 0.25) << "seed " << kSeed << ", " << e_m;
     if (!fit) continue;
     const ScreenCorners fitted = find_corners(fit->screen);
-    const ScreenCorners real = find_corners(screen);
-    for (std::size_t k = 0; k < 4; ++k) most_off_m = std::max(most_off_m, (fitted[k] - real[k]).norm());
+    const ScreenCorners true_corners = find_corners(screen);
+    for (std::size_t k = 0; k < 4; ++k) largest_error_m = std::max(largest_error_m, (fitted[k] - true_corners[k]).norm());
   }
-  EXPECT_LE(most_off_m, 1.03 * 0.03 * 0.25) << "seed " << kSeed;
+  EXPECT_LE(largest_error_m, 1.03 * 0.03 * 0.25) << "seed " << kSeed;
 }
 
 TEST(ScreenRectangle, AWrongCornerIsOneLineWithNumbers) {
@@ -175,7 +176,7 @@ TEST(ScreenRectangle, AWrongCornerIsOneLineWithNumbers) {
             "touch all corners again, exactly, and move neither screen nor device meanwhile");
 }
 
-TEST(ScreenRectangle, AnotherOrderIsSaidToBeOne) {
+TEST(ScreenRectangle, CornersInAnotherOrderAreReportedAsSuch) {
   for (const ScreenRectangle& screen : screens()) {
     const auto [ll, lr, ur, ul] = find_corners(screen);
     EXPECT_EQ(error_of({ll, lr, ur, ul}), "none");

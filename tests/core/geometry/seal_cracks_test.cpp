@@ -35,7 +35,7 @@ void expect_closed(const TriangleMesh& mesh, const std::string& what) {
   EXPECT_TRUE(compute_mesh_topology(sealed.mesh).is_closed()) << what << ": " << sealed.report.describe();
 }
 
-TEST(SealCracks, LeavesClosedMeshesAsTheyCame) {
+TEST(SealCracks, LeavesClosedMeshesUnchanged) {
   for (const TriangleMesh& mesh : {make_icosphere(0.5, 3), make_box(Vec3(1.0, 0.8, 0.6), 3), make_bumpy_sphere(0.5, 0.25, 5000, 1),
                                    make_thin_wall(1.0, 1e-5, 4), make_thin_wall(1.0, 1e-9, 1), make_cylinder(0.5, 0.02, 3000)}) {
     const made::Sealed sealed = seal_checked(mesh, "closed");
@@ -99,9 +99,9 @@ TEST(SealCracks, WideGapsDoNotKeepNarrowOnesOpen) {
   for (const double width : {1.2e-4, 1.5e-4}) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
       for (const TriangleMesh* whole : {&box, &ball}) {
-        const TriangleMesh given = make_shaken(*whole, width, seed);
-        const made::Sealed sealed = seal_checked(given, fmt::format("{:g}, seed {}", width, seed));
-        const SeamGaps gaps = count_seams(*whole, given, sealed.report.tolerance);
+        const TriangleMesh shaken = make_shaken(*whole, width, seed);
+        const made::Sealed sealed = seal_checked(shaken, fmt::format("{:g}, seed {}", width, seed));
+        const SeamGaps gaps = count_seams(*whole, shaken, sealed.report.tolerance);
         EXPECT_FALSE(sealed.report.has_given_up);
         EXPECT_GT(gaps.narrow, 0U);
         EXPECT_LE(sealed.report.boundary_edges_left, 2 * gaps.wide) << gaps.narrow << " narrow seams; " << sealed.report.describe();
@@ -123,7 +123,7 @@ TEST(SealCracks, ClosesTJunctionsBetweenSheetsCutApart) {
 
 TEST(SealCracks, DoesNotDependOnScaleAndPlace) {
   const TriangleMesh mesh = make_patched_box(Vec3(1.0, 0.8, 0.6), 0.5e-4, 4);
-  const made::Sealed sealed = seal_checked(mesh, "at hand");
+  const made::Sealed sealed = seal_checked(mesh, "at the origin");
   for (const double scale : {1e-3, 1e-6, 1e3, 1e6}) {
     const made::Sealed scaled = seal_checked(scaled_and_moved(mesh, scale, Vec3::Zero()), "scaled");
     EXPECT_EQ(scaled.mesh.triangles, sealed.mesh.triangles) << scale;
@@ -139,18 +139,18 @@ TEST(SealCracks, DoesNotDependOnScaleAndPlace) {
 TEST(SealCracks, DoesNotDependOnTheFirstCornersOfTriangles) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     TriangleMesh mesh = make_shaken(make_box(Vec3(1.0, 1.0, 1.0), 5), 1.5e-4, seed);
-    SealReport first;
-    const TriangleMesh sealed = seal_cracks(mesh, first);
-    ASSERT_TRUE(first.has_sealed()) << seed;
+    SealReport first_report;
+    const TriangleMesh sealed = seal_cracks(mesh, first_report);
+    ASSERT_TRUE(first_report.has_sealed()) << seed;
     for (int turn = 1; turn <= 2; ++turn) {
       for (Triangle& t : mesh.triangles) std::rotate(t.begin(), t.begin() + 1, t.end());
       SealReport report;
-      const TriangleMesh turned = seal_cracks(mesh, report);
-      EXPECT_EQ(turned.vertices, sealed.vertices) << seed;
-      EXPECT_EQ(report.split_triangles, first.split_triangles) << seed;
-      EXPECT_EQ(report.zipped_edges, first.zipped_edges) << seed;
-      EXPECT_EQ(report.boundary_edges_left, first.boundary_edges_left) << seed;
-      EXPECT_EQ(report.widest_gap, first.widest_gap) << seed;
+      const TriangleMesh rotated = seal_cracks(mesh, report);
+      EXPECT_EQ(rotated.vertices, sealed.vertices) << seed;
+      EXPECT_EQ(report.split_triangles, first_report.split_triangles) << seed;
+      EXPECT_EQ(report.zipped_edges, first_report.zipped_edges) << seed;
+      EXPECT_EQ(report.boundary_edges_left, first_report.boundary_edges_left) << seed;
+      EXPECT_EQ(report.widest_gap, first_report.widest_gap) << seed;
     }
   }
 }
@@ -169,7 +169,7 @@ TriangleMesh two_sheets(const Vec3& between, int cells) {
   return joined(make_plane_grid(1.0, cells), scaled_and_moved(make_plane_grid(1.0, cells), 1.0, between));
 }
 
-TEST(SealCracks, SheetsCloseTogetherKeepTheirInsides) {
+TEST(SealCracks, SheetsCloseTogetherKeepTheirInnerVertices) {
   const TriangleMesh sheets =
       joined(make_plane_grid(1.0, 8), scaled_and_moved(flipped(make_plane_grid(1.0, 8)), 1.0, Vec3(0.0, 0.0, 5e-5)));
   const made::Sealed sealed = seal_checked(sheets, "two sheets");
@@ -221,16 +221,16 @@ TEST(SealCracks, ANotchIsNotZippedUpFromItsTip) {
   for (const auto& [above, below] : {std::pair(64, 64), std::pair(64, 4), std::pair(150, 2), std::pair(100, 150)}) {
     const made::Sealed sealed = seal_checked(notched(0.2, above, below), fmt::format("{} and {} cells", above, below));
     // The half beyond the tip is closed. The rim, about 4.5 long, and the notch, two sides of 0.5 each, stay.
-    double open = 0.0;
+    double open_vertices = 0.0;
     const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(sealed.mesh);
-    double left_of_tip = 0.0;
+    double notch_end_x = 0.0;
     for (std::size_t v = 0; v < at_boundary.size(); ++v) {
       const Vec3& p = sealed.mesh.vertices[v];
-      if (at_boundary[v] != 0 && std::fabs(p.y()) < 0.11 && p.x() > -0.499) left_of_tip = std::max(left_of_tip, p.x());
-      open += at_boundary[v];
+      if (at_boundary[v] != 0 && std::fabs(p.y()) < 0.11 && p.x() > -0.499) notch_end_x = std::max(notch_end_x, p.x());
+      open_vertices += at_boundary[v];
     }
-    EXPECT_GT(open, 0.0);
-    EXPECT_GT(left_of_tip, -0.05);
+    EXPECT_GT(open_vertices, 0.0);
+    EXPECT_GT(notch_end_x, -0.05);
     EXPECT_LT(sealed.report.widest_gap, 1.01 * sealed.report.tolerance);
     EXPECT_NEAR(compute_area(sealed.mesh), 1.0, 1e-3);
   }
@@ -271,7 +271,7 @@ TEST(SealCracks, AuthoredNormalsGoWithTheirCorners) {
   }
 }
 
-TEST(SealCracks, ThousandsOfVerticesInOneSpotTakeTheirShareOfTime) {
+TEST(SealCracks, ClosesAFanOfThousandsOfSeparateSlivers) {
   // A fan of slivers, each separate from the next, with their tips in one place.
   for (const double width : {1e-9, 1e-5, 0.9e-4})
     expect_closed(make_shaken(make_cylinder(0.5, 0.02, 3000), width, 1), fmt::format("{:g}", width));
@@ -286,19 +286,19 @@ TEST(SealCracks, SaysInOneLineWhatItDid) {
 }
 
 TEST(SealCracks, SaysWhatItLeavesAndHowWideThatIs) {
-  const TriangleMesh given = make_shaken(make_box(Vec3(1.0, 1.0, 1.0), 5), 1.5e-4, 1);
-  const made::Sealed sealed = seal_checked(given, "box");
-  const BoundaryEdges left = count_boundary_edges(sealed.mesh, sealed.report.tolerance);
-  ASSERT_GT(left.cracks, 0U);
-  EXPECT_EQ(sealed.report.unsealed_edges, left.cracks);
+  const TriangleMesh shaken = make_shaken(make_box(Vec3(1.0, 1.0, 1.0), 5), 1.5e-4, 1);
+  const made::Sealed sealed = seal_checked(shaken, "box");
+  const BoundaryEdges remaining = count_boundary_edges(sealed.mesh, sealed.report.tolerance);
+  ASSERT_GT(remaining.cracks, 0U);
+  EXPECT_EQ(sealed.report.unsealed_edges, remaining.cracks);
   EXPECT_GT(sealed.report.widest_unsealed, 0.0);
   EXPECT_LE(sealed.report.widest_unsealed, sealed.report.tolerance);
   EXPECT_THAT(sealed.report.describe(), HasSubstr(fmt::format("{} of them are at cracks up to {:.3g} m wide: closing them would move",
-                                                              left.cracks, left.widest_crack)));
+                                                              remaining.cracks, remaining.widest_crack)));
 }
 
 // Random triangles of several densities: in the densest, thousands of vertices and edges lie within one tolerance.
-TEST(SealCracks, HoldsItsPromisesOnSoups) {
+TEST(SealCracks, KeepsItsInvariantsOnSoups) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     for (const double size : {0.2, 1e-2, 1e-3, 1e-4, 1e-5}) {
       TriangleMesh soup = made::soup(seed, 1500, std::max(20.0 * size, 1e-3), size);
@@ -311,7 +311,7 @@ TEST(SealCracks, HoldsItsPromisesOnSoups) {
 
 // A mesh with a few vertices so far out that all the rest lies within one tolerance: nothing can be sealed. Work is bounded, and the mesh
 // is returned unchanged.
-TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
+TEST(SealCracks, LeavesAMeshWithinOneToleranceUnchanged) {
   TriangleMesh soup = made::soup(1, 20000, 1e-5, 1e-5);
   for (std::size_t i = 0; i < soup.vertices.size(); i += 500) soup.vertices[i] += Vec3(1.0, 0.0, 0.0);
   const made::Sealed sealed = seal_checked(soup, "one spot");
@@ -325,7 +325,7 @@ TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
 
 // A stray vertex makes the tolerance as large as the triangles are, so that joining some moves others, everywhere. Without giving
 // up, the excluded parts would grow until they cover everything: in 33 passes, which take 5 s.
-TEST(SealCracks, GivesUpWhereACrowdIsEverywhere) {
+TEST(SealCracks, GivesUpWhereExcludedPartsWouldCoverTheMesh) {
   TriangleMesh soup = made::soup(1, 10000, 1.0, 0.01);
   soup.vertices[0].x() = 100.0;
   SealReport report;
@@ -340,27 +340,27 @@ TriangleMesh damaged(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, seed);
-  const std::size_t n = mesh.triangles.size();
-  for (std::size_t i = 0; i < n; ++i) {
+  const std::size_t count = mesh.triangles.size();
+  for (std::size_t i = 0; i < count; ++i) {
     Triangle t = mesh.triangles[i];
-    const double what = uniform(random);
-    if (what < 0.05) {
+    const double choice = uniform(random);
+    if (choice < 0.05) {
       mesh.triangles[i] = {t[0], t[0], t[1]};
-    } else if (what < 0.10) {
+    } else if (choice < 0.10) {
       mesh.triangles.push_back(t);
-    } else if (what < 0.15) {
+    } else if (choice < 0.15) {
       std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-    } else if (what < 0.20) {
+    } else if (choice < 0.20) {
       mesh.vertices.push_back(mesh.vertices[t[0]] + Vec3(0.0, 0.0, 0.05));
       mesh.triangles.push_back({t[0], t[1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
-    } else if (what < 0.45) {
+    } else if (choice < 0.45) {
       for (std::uint32_t& v : t) {
         const Vec3 move(uniform(random), uniform(random), uniform(random));
         mesh.vertices.push_back(mesh.vertices[v] + 5e-5 * (move - Vec3::Constant(0.5)));
         v = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
       }
       mesh.triangles[i] = t;
-    } else if (what < 0.5) {
+    } else if (choice < 0.5) {
       mesh.vertices.push_back(0.5 * (mesh.vertices[t[0]] + mesh.vertices[t[1]]));
       const auto middle = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
       mesh.triangles[i] = {t[0], middle, t[2]};
@@ -370,7 +370,7 @@ TriangleMesh damaged(std::uint64_t seed) {
   return mesh;
 }
 
-TEST(SealCracks, HoldsItsPromisesOnDamagedMeshes) {
+TEST(SealCracks, KeepsItsInvariantsOnDamagedMeshes) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const made::Sealed sealed = seal_checked(damaged(seed), fmt::format("seed {}", seed));
     EXPECT_LT(10 * sealed.report.boundary_edges_left, 7 * sealed.report.boundary_edges) << seed;

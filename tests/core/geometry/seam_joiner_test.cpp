@@ -39,17 +39,17 @@ TEST(SeamJoiner, JoinsVerticesFirstAndThenTJunctions) {
   SeamParts excluded;
   SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
   EXPECT_TRUE(joiner.run(kPlentyOfWork));
-  EXPECT_EQ(joiner.boundary_edges(), 14U);
-  EXPECT_EQ(joiner.seam().welded(), 2U);  // the ends of the gap
-  EXPECT_EQ(joiner.seam().splits(), 3U);  // one edge above, two edges below
+  EXPECT_EQ(joiner.boundary_edges(), 14U);  // 6 of the lower row, 8 of the upper one
+  EXPECT_EQ(joiner.seam().welded(), 2U);    // the ends of the gap
+  EXPECT_EQ(joiner.seam().splits(), 3U);    // one edge above, two edges below
   EXPECT_EQ(joiner.seam().zipped(), 4U);
-  EXPECT_EQ(joiner.seam().boundary_edges().size(), 9U);
+  EXPECT_EQ(joiner.seam().boundary_edges().size(), 9U);  // all but 2 below and 3 above the gap
   EXPECT_NEAR(joiner.widest_gap(), 0.5 * kTolerance, 1e-12);
   EXPECT_EQ(excluded.size(), 0U);
   EXPECT_EQ(joiner.joined().chords.size(), 3U);
 }
 
-TEST(SeamJoiner, LeavesTheUntouchedAlone) {
+TEST(SeamJoiner, LeavesExcludedVerticesAlone) {
   TriangleMesh mesh = two_rows(1, 1, 0.5 * kTolerance);
   SeamParts excluded{.vertices = {1}, .chords = {}};
   SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
@@ -87,9 +87,10 @@ TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
     SeamParts excluded;
     SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);
     EXPECT_TRUE(joiner.run(kPlentyOfWork));
-    for (const std::uint32_t of_crack : {3U, 8U, 10U}) {  // inner vertices of the crack; at its ends the rims are joined
-      EXPECT_EQ(joiner.seam().representative_of(of_crack), of_crack) << gap;
-      EXPECT_EQ(joiner.seam().representative_of(14 + of_crack), 14 + of_crack) << gap;
+    // Inner vertices of the crack; at its ends the rims are joined. The vertices of the upper side begin at 14.
+    for (const std::uint32_t crack_vertex : {3U, 8U, 10U}) {
+      EXPECT_EQ(joiner.seam().representative_of(crack_vertex), crack_vertex) << gap;
+      EXPECT_EQ(joiner.seam().representative_of(14 + crack_vertex), 14 + crack_vertex) << gap;
     }
     EXPECT_EQ(joiner.seam().splits(), 0U) << gap;
   }
@@ -100,7 +101,7 @@ TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
   EXPECT_EQ(joiner.seam().splits(), 6U) << "each side is closed with itself";
 }
 
-TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
+TEST(SeamJoiner, ExcludesAnEdgeThatWouldBeZippedTooFar) {
   // A long edge from a tip, and from the same tip a row of vertices that diverges slowly: the last is 5 tolerances away.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {0.5, 1, 0}};
@@ -117,10 +118,10 @@ TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
   SeamJoiner(first, find_boundary_vertices(mesh), kTolerance, excluded).run(kPlentyOfWork);
   ASSERT_EQ(excluded.chords, (std::unordered_set<std::uint32_t>{0}));
   TriangleMesh second = mesh;
-  SeamJoiner again(second, find_boundary_vertices(mesh), kTolerance, excluded);
-  EXPECT_TRUE(again.run(kPlentyOfWork));
-  EXPECT_EQ(again.seam().splits(), 0U);
-  EXPECT_EQ(again.seam().welded(), 0U);
+  SeamJoiner second_joiner(second, find_boundary_vertices(mesh), kTolerance, excluded);
+  EXPECT_TRUE(second_joiner.run(kPlentyOfWork));
+  EXPECT_EQ(second_joiner.seam().splits(), 0U);
+  EXPECT_EQ(second_joiner.seam().welded(), 0U);
 }
 
 // A crack from a tip, among hundreds of long edges that pass between its vertices: so many that the tree no longer tests these vertices.
@@ -154,7 +155,7 @@ TEST(SeamJoiner, ClosesACrackFromItsTipWhereHundredsOfEdgesPass) {
   }
 }
 
-TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
+TEST(SeamJoiner, StopsAtItsWorkLimit) {
   TriangleMesh mesh = two_rows(20, 30, 0.5 * kTolerance);
   SeamParts excluded;
   EXPECT_FALSE(SeamJoiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded).run(10));
@@ -165,7 +166,7 @@ TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
 }
 
 // A trial split that was undone does not count as joined.
-TEST(SeamJoiner, ReportsOnlyWhatStays) {
+TEST(SeamJoiner, ReportsOnlyJoinsThatStay) {
   TriangleMesh mesh = two_rows(20, 30, 0.5 * kTolerance);
   SeamParts excluded;
   SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, excluded);

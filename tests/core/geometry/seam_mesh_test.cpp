@@ -74,7 +74,7 @@ TEST(SeamMesh, RejectsWeldsThatBreakTheSurface) {
   EXPECT_EQ(plates.boundary_edges().size(), 4U);
 }
 
-TEST(SeamMesh, AnEdgeOfThreeIsNotMade) {
+TEST(SeamMesh, RejectsAWeldThatMakesANonManifoldEdge) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {1, 0, 1e-3}, {0, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 4, 5}};
@@ -82,14 +82,14 @@ TEST(SeamMesh, AnEdgeOfThreeIsNotMade) {
   EXPECT_EQ(seam.weld(4, 1), SeamMesh::Weld::rejected);
 }
 
-TEST(SeamMesh, SplitsAnEdgeAndTakesItBack) {
+TEST(SeamMesh, SplitsAnEdgeAndUndoesTheSplit) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, -1e-3, 0}, {0.5, -1, 0}, {0, -1e-3, 0}};
   mesh.triangles = {{1, 2, 0}, {5, 4, 3}};
   const Eigen::Vector3f up = Eigen::Vector3f::UnitZ();
   const Eigen::Vector3f aside = Eigen::Vector3f::UnitX();
   mesh.authored_normals = {{aside, up, up}, {up, up, up}};
-  const TriangleMesh given = mesh;
+  const TriangleMesh original = mesh;
   SeamMesh seam = seam_of(mesh);
   ASSERT_TRUE(seam.split(1, 0, 3));
   EXPECT_EQ(seam.boundary_edges().size(), 7U);
@@ -98,8 +98,8 @@ TEST(SeamMesh, SplitsAnEdgeAndTakesItBack) {
   EXPECT_TRUE(seam.is_edge(2, 3));
   EXPECT_EQ(seam.boundary_edge(3, 1).chord, seam.boundary_edge(0, 3).chord);
   seam.unsplit(1, 0, 3);
-  EXPECT_EQ(mesh.triangles, given.triangles);
-  EXPECT_EQ(mesh.authored_normals, given.authored_normals);
+  EXPECT_EQ(mesh.triangles, original.triangles);
+  EXPECT_EQ(mesh.authored_normals, original.authored_normals);
   EXPECT_EQ(seam.boundary_edges().size(), 6U);
   EXPECT_EQ(seam.valence(3), 1U);
   EXPECT_EQ(seam.zipped(), 0U);

@@ -25,10 +25,10 @@ TEST(SimplifySmall, SimplificationStaysWithinItsBound) {
   ASSERT_TRUE(surface);
   EXPECT_LT(report.simplify.after, report.simplify.before / 4);
   EXPECT_LE(report.simplify.error_m, 0.0003);
-  const TriangleMesh fewer = faces_of(*surface);
-  EXPECT_TRUE(count_edges(fewer).closed());
-  for (const Triangle& t : fewer.triangles) {
-    const Vec3 middle = (fewer.vertices[t[0]] + fewer.vertices[t[1]] + fewer.vertices[t[2]]) / 3;
+  const TriangleMesh simplified = faces_of(*surface);
+  EXPECT_TRUE(count_edges(simplified).closed());
+  for (const Triangle& t : simplified.triangles) {
+    const Vec3 middle = (simplified.vertices[t[0]] + simplified.vertices[t[1]] + simplified.vertices[t[2]]) / 3;
     EXPECT_NEAR(middle.norm(), 0.05, 0.0003);
   }
 }
@@ -50,39 +50,39 @@ TEST(SimplifySmall, NoVertexIsLeftFartherOffThanTheBoundAllows) {
     }();
     const double extent = compute_bounds(clean).extent();
     for (const double share : {1e-4, 1e-3, 1e-2}) {
-      TriangleMesh fewer = clean;
-      const auto report = simplify_small(fewer, share * extent);
+      TriangleMesh simplified = clean;
+      const auto report = simplify_small(simplified, share * extent);
       ASSERT_TRUE(report) << report.error().what;
-      EXPECT_EQ(report->after, fewer.triangles.size());
+      EXPECT_EQ(report->after, simplified.triangles.size());
       EXPECT_LE(report->error_m, share * extent);
       if (share == 1e-2) {
         EXPECT_LT(report->after, report->before / 2);
       }
       std::set<std::uint32_t> used;
       for (const Triangle& t : clean.triangles) used.insert(t.begin(), t.end());
-      for (const std::uint32_t v : used) ASSERT_LE(distance_to(fewer, clean.vertices[v]), report->error_m * (1.0 + 1e-12));
+      for (const std::uint32_t v : used) ASSERT_LE(distance_to(simplified, clean.vertices[v]), report->error_m * (1.0 + 1e-12));
     }
   }
 }
 
 // The faces of a pyramid are small in a large plane, so the quadrics give its tip little weight; the tip must not be cut off.
 TEST(SimplifySmall, KeepsAFlatTipWithinItsBound) {
-  TriangleMesh plain = make_plane_grid(0.1, 20);
+  TriangleMesh plane = make_plane_grid(0.1, 20);
   auto middle =
-      std::min_element(plain.vertices.begin(), plain.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });
+      std::min_element(plane.vertices.begin(), plane.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });
   middle->z() = 0.0005;
   const Vec3 tip = *middle;
-  const auto report = simplify_small(plain, 0.00049);
+  const auto report = simplify_small(plane, 0.00049);
   ASSERT_TRUE(report);
   EXPECT_LT(report->after, report->before);
-  EXPECT_LE(distance_to(plain, tip), 0.00049);
+  EXPECT_LE(distance_to(plane, tip), 0.00049);
 }
 
 TEST(SimplifySmall, RejectsAnImpossibleBound) {
   TriangleMesh box = make_box(Vec3(0.1, 0.02, 0.03), 3);
-  for (const double wrong : {-1e-6, 0.1, 7.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-    const auto report = simplify_small(box, wrong);
-    ASSERT_FALSE(report) << wrong;
+  for (const double bound_m : {-1e-6, 0.1, 7.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    const auto report = simplify_small(box, bound_m);
+    ASSERT_FALSE(report) << bound_m;
     EXPECT_NE(report.error().what.find("longest side, 0.1 m"), std::string::npos) << report.error().what;
   }
   const std::size_t before = box.triangles.size();

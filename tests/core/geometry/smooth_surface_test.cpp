@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-TEST(SmoothSurface, EveryPassSaysWhatItDid) {
+TEST(SmoothSurface, EveryPassReportsOneLine) {
   SmoothSurfaceReport report;
   const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {}, report);
   ASSERT_TRUE(surface) << surface.error().what;
@@ -35,13 +35,13 @@ TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
     moved->move_vertices(mesh.vertices);
     // The bounding box of a rotated mesh differs: longest_edge is set so that edges of the same length are split.
     MeshBounds bounds = compute_bounds(mesh);
-    const auto anew = make_smooth_surface(mesh, {.longest_edge = report.split.longest_edge / bounds.diagonal()}, report);
-    ASSERT_TRUE(anew);
-    ASSERT_EQ(anew->mesh.triangles.size(), moved->mesh.triangles.size());
-    for (std::size_t t = 0; t < anew->mesh.triangles.size(); ++t) {
+    const auto rebuilt = make_smooth_surface(mesh, {.longest_edge = report.split.longest_edge / bounds.diagonal()}, report);
+    ASSERT_TRUE(rebuilt);
+    ASSERT_EQ(rebuilt->mesh.triangles.size(), moved->mesh.triangles.size());
+    for (std::size_t t = 0; t < rebuilt->mesh.triangles.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
-        EXPECT_LT((moved->mesh.corner(t, k) - anew->mesh.corner(t, k)).norm(), 1e-12);
-        EXPECT_LT((moved->mesh.normal(t, k) - anew->mesh.normal(t, k)).norm(), 1e-9);
+        EXPECT_LT((moved->mesh.corner(t, k) - rebuilt->mesh.corner(t, k)).norm(), 1e-12);
+        EXPECT_LT((moved->mesh.normal(t, k) - rebuilt->mesh.normal(t, k)).norm(), 1e-9);
       }
     }
   }
@@ -65,7 +65,7 @@ TEST(SmoothSurface, NormalsThatTheFinalCheckReplacedFollowTheirFace) {
   }
 }
 
-TEST(SmoothSurface, RealDirtSurvivesEveryPass) {
+TEST(SmoothSurface, RealMeshesWithDefectsPassEveryStep) {
   for (const char* name : {"car_front_3300.obj", "nist_assembly_insert.obj", "demosthenes_17k_open.obj", "wingnut.obj"}) {
     const TriangleMesh mesh = made::obj_mesh(name);
     ASSERT_GT(mesh.triangles.size(), 1000U) << name;
@@ -97,7 +97,7 @@ TEST(SmoothSurface, TheCreaseAngleDecidesWhetherABoxHasRoundedEdges) {
   EXPECT_EQ(report.normals.sharp_edges, 0U);
 }
 
-TEST(SmoothSurface, RejectsWhatItCannotUse) {
+TEST(SmoothSurface, RejectsInvalidMeshesAndSettings) {
   SmoothSurfaceReport report;
   EXPECT_FALSE(make_smooth_surface({{Vec3(1, 1, 1)}, {{0, 0, 0}}}, {}, report));
   EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.crease_angle_rad = -1.0}, report));

@@ -19,7 +19,7 @@ double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
   return nearest;
 }
 
-TEST(TouchTrajectory, SlideIsOfTheKindThePeersWereMeasuredWith) {
+TEST(TouchTrajectory, SlideHasTheDocumentedDepthAndSpeed) {
   const TriangleMesh mesh = make_icosphere(0.05, 5);
   const auto slide = make_slide_trajectory(mesh, {.seed = 3});
   ASSERT_TRUE(slide.has_value());
@@ -29,17 +29,17 @@ TEST(TouchTrajectory, SlideIsOfTheKindThePeersWereMeasuredWith) {
     const Vec3* rows = &slide->p_SD[segment * 4000];
     EXPECT_NEAR(rows[0].norm(), 0.05 + 0.005, 2e-4);
     EXPECT_NEAR(rows[199].norm(), 0.05 - 0.0015, 1e-4);
-    double shallow = 1.0, deep = 0.0;
+    double least_depth = 1.0, greatest_depth = 0.0;
     for (int i = 300; i < 4000; ++i) {
       ASSERT_LT((rows[i] - rows[i - 1]).norm(), 1.6e-4);
-      shallow = std::min(shallow, 0.05 - rows[i].norm());
-      deep = std::max(deep, 0.05 - rows[i].norm());
+      least_depth = std::min(least_depth, 0.05 - rows[i].norm());
+      greatest_depth = std::max(greatest_depth, 0.05 - rows[i].norm());
     }
-    EXPECT_NEAR(shallow, 0.001, 1e-4);
-    EXPECT_NEAR(deep, 0.002, 1e-4);
-    double path = 0.0;
-    for (int i = 1000; i < 3000; ++i) path += (rows[i] - rows[i - 1]).norm();
-    EXPECT_NEAR(path / 2.0, 0.1, 0.01);  // m/s
+    EXPECT_NEAR(least_depth, 0.001, 1e-4);
+    EXPECT_NEAR(greatest_depth, 0.002, 1e-4);
+    double path_m = 0.0;
+    for (int i = 1000; i < 3000; ++i) path_m += (rows[i] - rows[i - 1]).norm();
+    EXPECT_NEAR(path_m / 2.0, 0.1, 0.01);  // m/s: 2000 steps take two seconds
   }
 }
 
@@ -66,13 +66,13 @@ TEST(TouchTrajectory, FreeNeverTouches) {
 TEST(TouchTrajectory, FreeOrbitsASphereAtOneToElevenMillimetres) {
   const TriangleMesh mesh = make_icosphere(0.05, 4);
   const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 8000});
-  double low = 1.0, high = 0.0;
+  double least_height = 1.0, greatest_height = 0.0;
   for (const Vec3& p : free->p_SD) {
-    low = std::min(low, p.norm() - 0.05);
-    high = std::max(high, p.norm() - 0.05);
+    least_height = std::min(least_height, p.norm() - 0.05);
+    greatest_height = std::max(greatest_height, p.norm() - 0.05);
   }
-  EXPECT_NEAR(low, 0.001, 3e-4);
-  EXPECT_NEAR(high, 0.011, 3e-4);
+  EXPECT_NEAR(least_height, 0.001, 3e-4);
+  EXPECT_NEAR(greatest_height, 0.011, 3e-4);
   EXPECT_LT((free->p_SD[0] - free->p_SD[4000]).norm(), 0.011);
 }
 
@@ -88,29 +88,30 @@ TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {
 }
 
 // Two blocks with a gap between them that is narrower than an approach is long: one side of each block faces the gap.
-TEST(TouchTrajectory, TapsBeginWhereTheWayToTheSurfaceIsFree) {
+TEST(TouchTrajectory, TapsBeginWhereThePathToTheSurfaceIsFree) {
   const Vec3 size(0.04, 0.1, 0.1);
-  const double aside = 0.5 * 0.04 + 0.5 * 0.002;
+  const double centre_x = 0.5 * 0.04 + 0.5 * 0.002;
   const TriangleMesh block = make_box(size, 3);
-  const TriangleMesh blocks = joined(scaled_and_moved(block, 1.0, {-aside, 0.0, 0.0}), scaled_and_moved(block, 1.0, {aside, 0.0, 0.0}));
+  const TriangleMesh blocks =
+      joined(scaled_and_moved(block, 1.0, {-centre_x, 0.0, 0.0}), scaled_and_moved(block, 1.0, {centre_x, 0.0, 0.0}));
   const auto is_within = [&](const Vec3& p, double x) { return ((p - Vec3(x, 0, 0)).cwiseAbs().array() < 0.5 * size.array()).all(); };
   const auto taps = make_tap_trajectory(blocks, {.seed = 4, .rows = 12000});
   ASSERT_TRUE(taps.has_value());
   for (std::size_t i = 0; i < taps->p_SD.size(); i += taps->reset_every) {
     const Vec3& start = taps->p_SD[i];
     const Vec3& deepest = taps->p_SD[i + 20];
-    EXPECT_FALSE(is_within(start, -aside) || is_within(start, aside)) << i;
+    EXPECT_FALSE(is_within(start, -centre_x) || is_within(start, centre_x)) << i;
     if (3 * i >= taps->p_SD.size()) continue;  // the later taps are at vertices and edges
-    EXPECT_NE(is_within(deepest, -aside), is_within(deepest, aside)) << i;
+    EXPECT_NE(is_within(deepest, -centre_x), is_within(deepest, centre_x)) << i;
     // On the way to the deepest point, the tap is never in the other block.
-    const double other = is_within(deepest, aside) ? -aside : aside;
-    for (std::size_t k = 0; k < 20; ++k) EXPECT_FALSE(is_within(taps->p_SD[i + k], other)) << i + k;
+    const double other_x = is_within(deepest, centre_x) ? -centre_x : centre_x;
+    for (std::size_t k = 0; k < 20; ++k) EXPECT_FALSE(is_within(taps->p_SD[i + k], other_x)) << i + k;
   }
   const auto slide = make_slide_trajectory(blocks, {.seed = 4, .rows = 40000});
   ASSERT_TRUE(slide.has_value());
   for (std::size_t i = 0; i < slide->p_SD.size(); i += slide->reset_every) {
     const Vec3& start = slide->p_SD[i];
-    EXPECT_FALSE(is_within(start, -aside) || is_within(start, aside)) << i;
+    EXPECT_FALSE(is_within(start, -centre_x) || is_within(start, centre_x)) << i;
   }
 }
 

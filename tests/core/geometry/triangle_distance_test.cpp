@@ -45,14 +45,14 @@ TEST(TriangleDistance, FourLanesAreTheScalarBitForBit) {
     std::array<std::array<Vec3, 3>, 4> t;
     for (int lane = 0; lane < 4; ++lane) {
       t[lane] = make_triangle(random, 4 * i + lane);
-      const auto put = [lane](detail::Of3<Lanes4>& to, const Vec3& v) {
+      const auto set_lane = [lane](detail::Of3<Lanes4>& to, const Vec3& v) {
         to.x[lane] = v.x();
         to.y[lane] = v.y();
         to.z[lane] = v.z();
       };
-      put(a, t[lane][0]);
-      put(b, t[lane][1]);
-      put(c, t[lane][2]);
+      set_lane(a, t[lane][0]);
+      set_lane(b, t[lane][1]);
+      set_lane(c, t[lane][2]);
     }
     const Vec3 p = random.point();
     const Vec3 q = random.point();
@@ -86,13 +86,13 @@ TEST(SegmentTriangleDistance, IsTheLeastOverThePoints) {
 }
 
 TEST(SegmentTriangleDistance, IsZeroThroughTheFace) {
-  const auto d = [](const Vec3& p, const Vec3& q) {
+  const auto distance_squared = [](const Vec3& p, const Vec3& q) {
     return segment_triangle_distance_squared<double>(of3(p), of3(q), of3({0, 0, 0}), of3({1, 0, 0}), of3({0, 1, 0}));
   };
-  EXPECT_EQ(d({0.2, 0.2, 1.0}, {0.3, 0.2, -1.0}), 0.0);
-  EXPECT_EQ(d({0.3, 0.2, -1.0}, {0.2, 0.2, 1.0}), 0.0);
-  EXPECT_NEAR(d({0.2, 0.2, 1.0}, {0.3, 0.2, 0.5}), 0.25, 1e-12);
-  EXPECT_NEAR(d({2.0, 0.0, -1.0}, {2.0, 0.0, 1.0}), 1.0, 1e-12);
+  EXPECT_EQ(distance_squared({0.2, 0.2, 1.0}, {0.3, 0.2, -1.0}), 0.0);
+  EXPECT_EQ(distance_squared({0.3, 0.2, -1.0}, {0.2, 0.2, 1.0}), 0.0);
+  EXPECT_NEAR(distance_squared({0.2, 0.2, 1.0}, {0.3, 0.2, 0.5}), 0.25, 1e-12);
+  EXPECT_NEAR(distance_squared({2.0, 0.0, -1.0}, {2.0, 0.0, 1.0}), 1.0, 1e-12);
 }
 
 }  // namespace

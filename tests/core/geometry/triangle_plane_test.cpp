@@ -13,7 +13,7 @@ bool contains(const TrianglePlane& plane, const Vec3& p) {
   return plane.contains(local[plane.u_axis], local[plane.v_axis], 0.0, 0.0, 0.0);
 }
 
-TEST(TrianglePlane, NormalFollowsTheTurnOfTheCorners) {
+TEST(TrianglePlane, NormalFollowsTheWindingOfTheCorners) {
   const auto plane = compute_triangle_plane({0, 0, 5}, {2, 0, 5}, {0, 3, 5});
   ASSERT_TRUE(plane);
   EXPECT_EQ(plane->normal, Vec3(0, 0, 1));
@@ -46,23 +46,23 @@ TEST(TrianglePlane, InsideAgreesWithBarycentricCoordinates) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const auto draw_vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   int inside = 0;
   int outside = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Vec3 a = vector();
-    const Vec3 b = vector();
-    const Vec3 c = vector();
+    const Vec3 a = draw_vector();
+    const Vec3 b = draw_vector();
+    const Vec3 c = draw_vector();
     const auto plane = compute_triangle_plane(a, b, c);
     ASSERT_TRUE(plane);
     for (int k = 0; k < 20; ++k) {
       const double s = 1.5 * unit(random);
       const double t = 1.5 * unit(random);
-      const double least = std::min({s, t, 1.0 - s - t});
-      if (std::abs(least) < 1e-9) {
+      const double least_coordinate = std::min({s, t, 1.0 - s - t});
+      if (std::abs(least_coordinate) < 1e-9) {
         continue;  // too near the outline for plain arithmetic to decide
       }
-      const bool expected = least > 0;
+      const bool expected = least_coordinate > 0;
       ASSERT_EQ(contains(*plane, a + s * (b - a) + t * (c - a)), expected) << "triangle " << i << " s " << s << " t " << t;
       (expected ? inside : outside)++;
     }

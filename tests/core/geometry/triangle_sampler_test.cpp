@@ -26,7 +26,7 @@ TEST(TriangleSampler, DrawsByArea) {
   constexpr int kDraws = 30000;
   for (int i = 0; i < kDraws; ++i) ++count[draw(random)];
   EXPECT_EQ(count[1], 0);
-  // Six standard deviations of a binomial distribution.
+  // Six standard deviations of a binomial distribution: sqrt(30000 * 1/3 * 2/3) is 82.
   EXPECT_NEAR(count[0], kDraws / 3, 6 * 82);
   EXPECT_NEAR(count[2], 2 * kDraws / 3, 6 * 82);
 }

@@ -28,34 +28,34 @@ std::vector<std::uint32_t> every_second(std::size_t count) {
   return items;
 }
 
-TEST(VertexTree, FindsTheNearestAsLookingAtAllDoes) {
+TEST(VertexTree, NearestAgreesWithBruteForce) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const std::vector<Vec3> points = draw_points(seed, 600, true);
     const std::vector<std::uint32_t> items = every_second(points.size());
     const VertexTree tree(points, items);
     std::vector<VertexTree::NearVertex> found;
     for (std::uint32_t q = 0; q < points.size(); ++q) {
-      for (const auto& [radius, most] :
+      for (const auto& [radius, max_count] :
            {std::pair(0.2, std::size_t{1000}), std::pair(0.5, std::size_t{7}), std::pair(0.0, std::size_t{9})}) {
-        std::vector<std::pair<double, std::uint32_t>> all;
+        std::vector<std::pair<double, std::uint32_t>> expected;
         for (const std::uint32_t i : items) {
           const double squared = (points[i] - points[q]).squaredNorm();
-          if (i != q && squared <= radius * radius) all.emplace_back(squared, i);
+          if (i != q && squared <= radius * radius) expected.emplace_back(squared, i);
         }
-        std::sort(all.begin(), all.end());
-        all.resize(std::min(all.size(), most));
-        tree.find_nearest(points[q], q, radius, most, found);
-        ASSERT_EQ(found.size(), all.size()) << "seed " << seed;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-          EXPECT_EQ(found[i].vertex, all[i].second);
-          EXPECT_EQ(found[i].squared_distance, all[i].first);
+        std::sort(expected.begin(), expected.end());
+        expected.resize(std::min(expected.size(), max_count));
+        tree.find_nearest(points[q], q, radius, max_count, found);
+        ASSERT_EQ(found.size(), expected.size()) << "seed " << seed;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          EXPECT_EQ(found[i].vertex, expected[i].second);
+          EXPECT_EQ(found[i].squared_distance, expected[i].first);
         }
       }
     }
   }
 }
 
-TEST(VertexTree, FindsWhatIsNearASegmentAsLookingAtAllDoes) {
+TEST(VertexTree, NearASegmentAgreesWithBruteForce) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const std::vector<Vec3> points = draw_points(seed, 600, true);
     std::vector<Vec3> ends = draw_points(seed + 100, 80, false);
@@ -65,29 +65,29 @@ TEST(VertexTree, FindsWhatIsNearASegmentAsLookingAtAllDoes) {
     VertexTree tree(points, items);
     std::vector<VertexTree::NearVertex> found;
     for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
-      std::vector<std::uint32_t> all;
+      std::vector<std::uint32_t> expected;
       for (const std::uint32_t i : items) {
-        if (closest_point(ends[e], ends[e + 1], ends[e + 1], points[i]).distance <= 0.15) all.push_back(i);
+        if (closest_point(ends[e], ends[e + 1], ends[e + 1], points[i]).distance <= 0.15) expected.push_back(i);
       }
       tree.find_near_segment(ends[e], ends[e + 1], 0.15, found);
-      ASSERT_EQ(found.size(), all.size()) << "seed " << seed << ", segment " << e;
-      for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(found[i].vertex, all[i]);
+      ASSERT_EQ(found.size(), expected.size()) << "seed " << seed << ", segment " << e;
+      for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(found[i].vertex, expected[i]);
     }
   }
 }
 
-TEST(VertexTree, APointIsTestedAgainstSoManySegmentsOnly) {
+TEST(VertexTree, APointIsTestedAgainstALimitedNumberOfSegments) {
   const std::vector<Vec3> points(100, Vec3::Zero());
   std::vector<std::uint32_t> items(points.size());
   std::iota(items.begin(), items.end(), 0U);
   VertexTree tree(points, items);
   std::vector<VertexTree::NearVertex> found;
-  std::size_t all = 0;
+  std::size_t total_found = 0;
   for (std::uint32_t i = 0; i < 2 * VertexTree::kMaxSegments; ++i) {
     tree.find_near_segment(Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), 0.1, found);
-    all += found.size();
+    total_found += found.size();
   }
-  EXPECT_EQ(all, points.size() * VertexTree::kMaxSegments);
+  EXPECT_EQ(total_found, points.size() * VertexTree::kMaxSegments);
 }
 
 TEST(VertexTree, OfNothingFindsNothing) {
