@@ -14,15 +14,15 @@ namespace {
 double amplitude_read(double frequency, double samples, double first) {
   BandLimitedSignal signal;
   const double stride = BandLimitedSignal::stride_for(samples);
-  const double turn = 2.0 * std::numbers::pi * frequency;
+  const double radians_per_sample = 2.0 * std::numbers::pi * frequency;
   double since = first;
   double pushed = 0.0;
   double sine = 0.0, cosine = 0.0;
   int count = 0;
   for (int n = 0; n < 4000; ++n) {
-    for (since += samples; since >= 1.0; since -= 1.0) signal.push(std::sin(turn * pushed++));
+    for (since += samples; since >= 1.0; since -= 1.0) signal.push(std::sin(radians_per_sample * pushed++));
     if (pushed < 300.0) continue;
-    const double phase = turn * (pushed + since);
+    const double phase = radians_per_sample * (pushed + since);
     sine += signal.at(since, stride) * std::sin(phase);
     cosine += signal.at(since, stride) * std::cos(phase);
     ++count;
@@ -41,8 +41,8 @@ TEST(BandLimitedSignal, KeepsTheBandOfTheLowerRate) {
 
 TEST(BandLimitedSignal, LeavesOutWhatTheLowerRateCannotCarry) {
   for (const double samples : {2.0, 5.0, 10.0}) {
-    for (const double share : {1.1, 1.37, 1.9}) {
-      EXPECT_LT(amplitude_read(share * 0.5 / samples, samples, 0.29), 0.011) << samples << " " << share;
+    for (const double ratio : {1.1, 1.37, 1.9}) {
+      EXPECT_LT(amplitude_read(ratio * 0.5 / samples, samples, 0.29), 0.011) << samples << " " << ratio;
     }
   }
 }
@@ -50,10 +50,10 @@ TEST(BandLimitedSignal, LeavesOutWhatTheLowerRateCannotCarry) {
 // Ratios between two strides. Readings above a stride by kMostAboveStride carry less than the stride lets through.
 TEST(BandLimitedSignal, LeavesOutWhatTheLowerRateCannotCarryAtAnyRatio) {
   for (const double samples : {1.1, 1.2, 1.4, 1.6, 2.2, 2.45, 3.4, 4.4, 6.5, 7.5, 8.7}) {
-    for (const double share : {1.21, 1.37, 1.9}) {
-      const double frequency = share * 0.5 / samples;
+    for (const double ratio : {1.21, 1.37, 1.9}) {
+      const double frequency = ratio * 0.5 / samples;
       if (frequency >= 0.5) continue;
-      EXPECT_LT(amplitude_read(frequency, samples, 0.29), 0.011) << samples << " " << share;
+      EXPECT_LT(amplitude_read(frequency, samples, 0.29), 0.011) << samples << " " << ratio;
     }
   }
 }

@@ -23,9 +23,9 @@ inline std::vector<Vec3> closed(std::uint64_t seed, int n, const Vec3& centre, d
   }
   std::vector<Vec3> points;
   for (int i = 0; i < n; ++i) {
-    const double turn = 2.0 * std::numbers::pi * i / n;
+    const double angle = 2.0 * std::numbers::pi * i / n;
     Vec3 p = centre;
-    for (int k = 0; k < 3; ++k) p += amplitude[k].cwiseProduct((Vec3::Constant((k + 1) * turn) + phase[k]).array().sin().matrix());
+    for (int k = 0; k < 3; ++k) p += amplitude[k].cwiseProduct((Vec3::Constant((k + 1) * angle) + phase[k]).array().sin().matrix());
     points.push_back(p);
   }
   return points;
@@ -39,7 +39,7 @@ struct Work {
 
 // The work of a force along a path. force_at(p): the force, which depends on the position alone.
 template <class ForceAt>
-Work around(const std::vector<Vec3>& path, const ForceAt& force_at) {
+Work work_along(const std::vector<Vec3>& path, const ForceAt& force_at) {
   Work work;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Vec3& a = path[i];

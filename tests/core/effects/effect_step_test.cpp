@@ -25,7 +25,7 @@ SurfaceContact on_plane(const Vec3& p_SD, int object = 0) {
 
 EffectResult press(EffectStep& step, const Vec3& p_SD) { return step.step(p_SD, kMs, on_plane(p_SD)); }
 
-SurfaceEffects everything() {
+SurfaceEffects all_surface_effects() {
   static const auto models = made::texture(1000.0, 20, 18);
   return {.progressive = {.n_per_m2 = 1e5},
           .layers = {},
@@ -36,7 +36,7 @@ SurfaceEffects everything() {
           .texture = {.models = models}};
 }
 
-std::vector<SwitchedEffect> everywhere() {
+std::vector<SwitchedEffect> all_space_effects() {
   return {SpringEffect{},
           ConstantEffect{.force_n = {0, -0.3, 0}},
           SnapEffect{},
@@ -120,8 +120,8 @@ TEST(EffectStep, BumpsAndProgressiveStiffnessGiveNoEnergyOverAClosedPath) {
         EffectStep step(
             {SurfaceEffects{.progressive = {.n_per_m2 = progressive}, .bumps = {.pattern = pattern, .height_m = 1e-3, .length_m = 4e-3}}},
             {});
-        const auto work = paths::around(paths::closed(seed, 50000, {0, 0, -0.002}, 0.006),
-                                        [&](const Vec3& p) { return step.step(p, kMs, on_plane(p)).force_n; });
+        const auto work = paths::work_along(paths::closed(seed, 50000, {0, 0, -0.002}, 0.006),
+                                            [&](const Vec3& p) { return step.step(p, kMs, on_plane(p)).force_n; });
         EXPECT_LT(std::abs(work.net_j), 1e-5 * work.absolute_j) << "seed " << seed;
       }
     }
@@ -135,17 +135,17 @@ TEST(EffectStep, ViscosityAndSnapTakeEnergyOverAClosedPath) {
     EffectStep step({SurfaceEffects{.viscosity = {.damping_ns_per_m = 6}, .snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
     const auto path = paths::closed(seed, 20000, {0, 0, 0.0005}, 0.006);
     Vec3 before_n = Vec3::Zero();
-    double given_j = 0.0;
+    double energy_to_hand_j = 0.0;
     Vec3 last = path[0];
     press(step, last);
     for (std::size_t i = 1; i <= path.size(); ++i) {
       const Vec3& p = path[i % path.size()];
       const Vec3 force_n = press(step, p).force_n;
-      given_j += 0.5 * (before_n + force_n).dot(p - last);
+      energy_to_hand_j += 0.5 * (before_n + force_n).dot(p - last);
       before_n = force_n;
       last = p;
     }
-    EXPECT_LT(given_j, 0.0) << "seed " << seed;
+    EXPECT_LT(energy_to_hand_j, 0.0) << "seed " << seed;
   }
 }
 
@@ -204,10 +204,10 @@ TEST(EffectStep, ASurfaceHoldsOnUntilOutOfRange) {
   EffectStep step({SurfaceEffects{.snap = {.stiffness_n_per_m = 300, .range_m = 2e-3}}}, {});
   EXPECT_EQ(press(step, {0, 0, 0.001}).force_n, Vec3::Zero());
   press(step, {0, 0, -0.001});
-  const EffectResult held = press(step, {0, 0, 0.001});
-  EXPECT_NEAR(held.force_n.z(), -0.3, 1e-12);
-  EXPECT_TRUE(held.is_felt);
-  EXPECT_EQ(held.p_SP, Vec3(0, 0, 0.001));
+  const EffectResult snapped = press(step, {0, 0, 0.001});
+  EXPECT_NEAR(snapped.force_n.z(), -0.3, 1e-12);
+  EXPECT_TRUE(snapped.is_felt);
+  EXPECT_EQ(snapped.p_SP, Vec3(0, 0, 0.001));
   EXPECT_FALSE(press(step, {0, 0, 0.0021}).is_felt);
 }
 
@@ -267,26 +267,26 @@ TEST(EffectStep, ABurstWithAButtonBeginsWithEachPressInside) {
 }
 
 // The energy that a switched spring gives on a closed path is at most its largest force times the length of the whole path.
-TEST(EffectStep, AnEffectWithAButtonGivesNoMoreThanItsBoundTimesTheWay) {
+TEST(EffectStep, AnEffectWithAButtonGivesAtMostItsBoundTimesThePath) {
   const SpringEffect spring = {.stiffness_n_per_m = 400, .max_force_n = 1.25};
   EffectStep step({}, {{spring, EffectSwitch{.button = 1}}});
-  double given_j = 0.0;
-  double way_m = 0.0;
+  double energy_to_hand_j = 0.0;
+  double path_m = 0.0;
   Vec3 last = Vec3::Zero();
   int n = 0;
   for (const Vec3& p : paths::closed(12, 4000, {0, 0, 0}, 0.02)) {
     const Vec3 force_n = free_force(step, p, n++ % 400 > 130 ? 1 : 0);
     ASSERT_LE(force_n.norm(), 1.25 * (1 + 1e-12));
-    given_j += force_n.dot(p - last);
-    way_m += (p - last).norm();
+    energy_to_hand_j += force_n.dot(p - last);
+    path_m += (p - last).norm();
     last = p;
   }
-  EXPECT_LE(given_j, 1.25 * way_m);
+  EXPECT_LE(energy_to_hand_j, 1.25 * path_m);
 }
 
 TEST(EffectStep, ResetForgetsEverything) {
-  EffectStep used({everything()}, everywhere());
-  EffectStep fresh({everything()}, everywhere());
+  EffectStep used({all_surface_effects()}, all_space_effects());
+  EffectStep fresh({all_surface_effects()}, all_space_effects());
   for (const Vec3& p : paths::closed(5, 500, {0, 0, 0}, 0.01)) press(used, p);
   used.reset();
   for (const Vec3& p : paths::closed(6, 500, {0, 0, 0}, 0.01)) {
@@ -299,8 +299,8 @@ TEST(EffectStep, ResetForgetsEverything) {
 }
 
 TEST(EffectStep, ASampleThatIsNotFiniteChangesNothing) {
-  EffectStep disturbed({everything()}, everywhere());
-  EffectStep quiet({everything()}, everywhere());
+  EffectStep disturbed({all_surface_effects()}, all_space_effects());
+  EffectStep quiet({all_surface_effects()}, all_space_effects());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   for (const Vec3& p : paths::closed(8, 300, {0, 0, 0}, 0.01)) {
@@ -323,12 +323,12 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
   const std::vector<double> times = {0.0, 1e-3, 1e-3, 1e-3, 1e-4, -1.0, 1e-300, 5e-324, 1.0, 1e300, nan, inf, -inf};
   SurfaceEffects needle;
   for (int i = 0; i < 8; ++i) needle.layers.add({.depth_m = 1e-3 * i, .stiffness_n_per_m = 1e6, .pop_force_n = 10, .drag_ns_per_m = 100});
-  const std::vector<SurfaceEffects> surfaces = {everything(), needle, SurfaceEffects()};
-  EffectStep still(surfaces, everywhere());
-  EffectStep moving(surfaces, everywhere(), {1, EffectStep::kStill, 0});
+  const std::vector<SurfaceEffects> surfaces = {all_surface_effects(), needle, SurfaceEffects()};
+  EffectStep still(surfaces, all_space_effects());
+  EffectStep moving(surfaces, all_space_effects(), {1, EffectStep::kStill, 0});
   double space_n = 0.0;
-  for (const SwitchedEffect& effect : everywhere()) space_n += bound_of(effect.effect);
-  const double bumpy = std::sqrt(1.0 + everything().bumps.slope() * everything().bumps.slope());
+  for (const SwitchedEffect& effect : all_space_effects()) space_n += bound_of(effect.effect);
+  const double slope_factor = std::sqrt(1.0 + all_surface_effects().bumps.slope() * all_surface_effects().bumps.slope());
   for (int k = 0; k < 200000; ++k) {
     EffectStep& step = k % 2 == 0 ? still : moving;
     if (k % 997 < 2) step.reset();
@@ -348,15 +348,15 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
     if (random() % 4 == 0) contact.place = &place;
     const EffectResult result = step.step(p, pick(times), contact, static_cast<std::uint32_t>(random()));
     ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
-    const double surface_n = (contact.force_n.norm() + kMaxEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n +
-                             everything().snap.bound_n() + everything().texture.bound_n();
+    const double surface_n = (contact.force_n.norm() + kMaxEffectForceN) * (1.0 + slope_factor) + all_surface_effects().tap.max_force_n +
+                             all_surface_effects().snap.bound_n() + all_surface_effects().texture.bound_n();
     ASSERT_LE(result.force_n.norm(), (surface_n + space_n) * (1 + 1e-9)) << "step " << k << ", seed " << kSeed;
   }
 }
 
 TEST(EffectStep, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  EffectStep step({everything()}, everywhere());
+  EffectStep step({all_surface_effects()}, all_space_effects());
   const auto path = paths::closed(9, 2000, {0, 0, 0}, 0.01);
   const AllocationGuard guard;
   for (const Vec3& p : path) press(step, p);
@@ -370,40 +370,40 @@ TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
   EffectStep step({rough, rough}, {}, {0, EffectStep::kStill});
   Pose X_SF = Pose::Identity();
   X_SF.linear() = Eigen::AngleAxisd(1.0, Vec3::UnitZ()).toRotationMatrix();
-  const auto felt = [&](double x_m, int object) {
+  const auto force_at = [&](double x_m, int object) {
     step.place({&X_SF, 1});
     const Vec3 p(x_m, 0.0, -2e-3);
     return step.step(p, kMs, on_plane(p, object)).force_n;
   };
-  (void)felt(0.0, 0);
-  EXPECT_LT((felt(5e-4, 0) - Vec3(-0.5, 0, 2)).norm(), 1e-12);
-  EXPECT_LT((felt(5e-4, 1) - Vec3(-0.5, 0, 2)).norm(), 1e-12) << "carried over";
-  EXPECT_LT((felt(7e-4, 1) - Vec3(-0.7, 0, 2)).norm(), 1e-12);
-  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "and back";
+  (void)force_at(0.0, 0);
+  EXPECT_LT((force_at(5e-4, 0) - Vec3(-0.5, 0, 2)).norm(), 1e-12);
+  EXPECT_LT((force_at(5e-4, 1) - Vec3(-0.5, 0, 2)).norm(), 1e-12) << "carried over";
+  EXPECT_LT((force_at(7e-4, 1) - Vec3(-0.7, 0, 2)).norm(), 1e-12);
+  EXPECT_LT((force_at(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "and back";
   X_SF.linear() = Eigen::AngleAxisd(1.2, Vec3::UnitZ()).toRotationMatrix();
-  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "turned about the point that sticks";
+  EXPECT_LT((force_at(7e-4, 0) - Vec3(-0.7, 0, 2)).norm(), 1e-12) << "turned about the point that sticks";
   X_SF.translation() = Vec3(0, 1e-4, 0);
-  EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
+  EXPECT_LT((force_at(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
 }
 
 // When another method takes over, its step goes on with the speed of the hand, also relative to moving surfaces.
-TEST(EffectStep, FollowsTheHandAsAnotherDid) {
+TEST(EffectStep, ContinuesTheHandMotionOfAnotherStep) {
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
   const Pose X_SF = Pose::Identity();
   for (const int frame : {EffectStep::kStill, 0}) {
     EffectStep other({thick}, {}, {frame});
     EffectStep next({thick}, {}, {frame});
-    const auto felt = [&](EffectStep& step, int n) {
+    const auto force_in_cycle = [&](EffectStep& step, int n) {
       step.place({&X_SF, 1});
       const Vec3 p(1e-4 * n, 0.0, -2e-3);
       return step.step(p, kMs, on_plane(p)).force_n;
     };
-    for (int n = 0; n < 20; ++n) (void)felt(other, n);
-    (void)felt(next, 19);
+    for (int n = 0; n < 20; ++n) (void)force_in_cycle(other, n);
+    (void)force_in_cycle(next, 19);
     next.continue_hand_motion(other);
-    const Vec3 expected_n = felt(other, 20);
+    const Vec3 expected_n = force_in_cycle(other, 20);
     EXPECT_NEAR(expected_n.x(), -0.4, 1e-9) << frame;
-    EXPECT_LT((felt(next, 20) - expected_n).norm(), 1e-12) << frame;
+    EXPECT_LT((force_in_cycle(next, 20) - expected_n).norm(), 1e-12) << frame;
   }
 }
 
@@ -418,13 +418,13 @@ TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
     for (const SurfaceEffects& surface : {rough, thick}) {
       for (const int frame : {EffectStep::kStill, 0}) {
         EffectStep step({surface}, {}, {frame});
-        const auto felt = [&](const Vec3& at) {
+        const auto force_at = [&](const Vec3& at) {
           step.place({&X_SF, 1});
           return step.step(at, kMs, on_plane(at)).force_n;
         };
-        for (int n = 0; n < 20; ++n) (void)felt(p);
+        for (int n = 0; n < 20; ++n) (void)force_at(p);
         if (is_noted) step.note_scene_moved(moved);
-        const double sideways_n = felt(moved).head<2>().norm();
+        const double sideways_n = force_at(moved).head<2>().norm();
         if (is_noted) {
           EXPECT_LT(sideways_n, 1e-12) << frame;
         } else {
@@ -440,18 +440,18 @@ TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
 }
 
 // The force is that of free space, even where the surface held the device before: a tool took the place of that surface.
-TEST(EffectStep, InSpaceIsWithoutAnySurface) {
-  EffectStep tool({everything()}, everywhere());
-  EffectStep probe({SurfaceEffects()}, everywhere());
-  EffectStep snapping({everything()}, everywhere());
+TEST(EffectStep, StepInSpaceIgnoresSurfaces) {
+  EffectStep tool({all_surface_effects()}, all_space_effects());
+  EffectStep probe({SurfaceEffects()}, all_space_effects());
+  EffectStep snapping({all_surface_effects()}, all_space_effects());
   for (EffectStep* step : {&tool, &probe, &snapping}) (void)step->step({0.0, 0.0, -0.001}, kMs, on_plane({0.0, 0.0, -0.001}));
   double largest_snap_n = 0.0;
   for (int n = 0; n < 400; ++n) {
     const Vec3 p(1e-4 * n, 0.002 * std::sin(0.1 * n), 0.0005);
     const std::uint32_t buttons = n / 50 % 4;
-    const Vec3 felt = probe.step(p, kMs, {}, buttons).force_n;
-    ASSERT_EQ(tool.step_in_space(p, kMs, buttons), felt) << n;
-    largest_snap_n = std::max(largest_snap_n, (snapping.step(p, kMs, {}, buttons).force_n - felt).norm());
+    const Vec3 probe_force_n = probe.step(p, kMs, {}, buttons).force_n;
+    ASSERT_EQ(tool.step_in_space(p, kMs, buttons), probe_force_n) << n;
+    largest_snap_n = std::max(largest_snap_n, (snapping.step(p, kMs, {}, buttons).force_n - probe_force_n).norm());
   }
   EXPECT_GT(largest_snap_n, 0.01) << "the surface snaps, unless a tool is held";
 }

@@ -31,7 +31,7 @@ TEST(EffectSwitch, RisesFromThePressAndFallsFromTheRelease) {
   EXPECT_NEAR(state.began_s, 0.01, 1e-15);
 }
 
-TEST(EffectSwitch, AShortPressGoesOnlyPartOfTheWay) {
+TEST(EffectSwitch, AShortPressRaisesTheGainOnlyInPart) {
   const EffectSwitch on{.button = 1};
   EffectSwitch::State state;
   on.update(0, 0.0, state);

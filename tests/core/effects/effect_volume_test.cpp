@@ -46,7 +46,7 @@ TEST(EffectVolume, NamesAllItsNumbers) {
     return all;
   };
   const auto ball = numbers(EffectVolume::ball({1, 2, 3}, 0.5));
-  EXPECT_EQ(ball.size(), 7U);
+  EXPECT_EQ(ball.size(), 7U);  // the shape, the centre and the sizes
   EXPECT_NE(ball, numbers(EffectVolume::ball({1, 2, 3}, 0.6)));
   EXPECT_NE(ball, numbers(EffectVolume::ball({1, 2, 4}, 0.5)));
   EXPECT_NE(ball, numbers(EffectVolume::box({0.5, 1.5, 2.5}, {1.5, 2.5, 3.5}))) << "of the same size";

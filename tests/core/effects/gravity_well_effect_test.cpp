@@ -21,7 +21,7 @@ TEST(GravityWellEffect, GivesNoEnergyOverAClosedPath) {
   const GravityWellEffect well = {.centre = {0, 0.01, 0}, .radius_m = 0.02, .max_force_n = 1.2};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const paths::Work work =
-        paths::around(paths::closed(seed, 20000, {0.01, 0, 0}, 0.05), [&](const Vec3& p) { return well.force({.p_SD = p}); });
+        paths::work_along(paths::closed(seed, 20000, {0.01, 0, 0}, 0.05), [&](const Vec3& p) { return well.force({.p_SD = p}); });
     EXPECT_LT(std::abs(work.net_j), 1e-5 * work.absolute_j) << "seed " << seed;
   }
 }

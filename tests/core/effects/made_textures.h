@@ -48,15 +48,15 @@ inline double density(const TextureModel& model, double rate_hz, double frequenc
   return 2.0 * model.variance * model.gain * model.gain * filter / rate_hz;
 }
 
-// `order` line spectral frequencies over the band, drawn together around `peak` (0 to 1) by `sharpness`, and towards low ones by `tilt`.
+// `order` line spectral frequencies over the band, shifted towards `peak` (0 to 1) by `sharpness`, and towards zero by `tilt`.
 // With a sharpness of 0.3 to 0.6 and a tilt of 0.3 there is a resonance, and a fall by 50 dB over the band, as in recordings.
 inline std::vector<double> frequencies(std::size_t order, double peak, double sharpness, double tilt = 0.0) {
   std::vector<double> made;
   for (std::size_t i = 1; i <= order; ++i) {
-    const double even = static_cast<double>(i) / static_cast<double>(order + 1);
-    const double away = (even - peak) / 0.15;
-    const double drawn = even - sharpness * (even - peak) * std::exp(-away * away);
-    made.push_back(std::numbers::pi * (drawn - tilt * drawn * (1.0 - drawn)));
+    const double uniform = static_cast<double>(i) / static_cast<double>(order + 1);
+    const double distance = (uniform - peak) / 0.15;
+    const double shifted = uniform - sharpness * (uniform - peak) * std::exp(-distance * distance);
+    made.push_back(std::numbers::pi * (shifted - tilt * shifted * (1.0 - shifted)));
   }
   return made;
 }
@@ -103,9 +103,9 @@ inline TextureModel interpolated(const TextureModels& models, double speed_m_per
     const TextureModel& c = models.models()[triangle[2]];
     const auto area = [](double s0, double f0, double s1, double f1) { return s0 * f1 - s1 * f0; };
     const auto share = [&](const TextureModel& p, const TextureModel& q) {
-      const double whole =
+      const double whole_area =
           area(a.speed_m_per_s - c.speed_m_per_s, a.force_n - c.force_n, b.speed_m_per_s - c.speed_m_per_s, b.force_n - c.force_n);
-      return area(p.speed_m_per_s - speed_m_per_s, p.force_n - force_n, q.speed_m_per_s - speed_m_per_s, q.force_n - force_n) / whole;
+      return area(p.speed_m_per_s - speed_m_per_s, p.force_n - force_n, q.speed_m_per_s - speed_m_per_s, q.force_n - force_n) / whole_area;
     };
     const double wa = share(b, c), wb = share(c, a), wc = share(a, b);
     if (wa < -1e-9 || wb < -1e-9 || wc < -1e-9) continue;

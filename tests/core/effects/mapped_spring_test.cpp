@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kTurnOfWave = 2.0 * std::numbers::pi;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 using Triangles = std::vector<MappedTriangle>;
 
@@ -40,9 +40,9 @@ std::shared_ptr<const SurfaceImage> noise(std::mt19937_64& random, int width, in
 Eigen::Matrix2d second_derivative(const ImageMap& map, const MapPlace& place, double step) {
   Eigen::Matrix2d found;
   for (int k = 0; k < 2; ++k) {
-    const auto gradient_at = [&](double aside) {
+    const auto gradient_at = [&](double offset) {
       MapPlace moved = place;
-      moved.texcoord += aside * Eigen::Vector2d(place.du[k], place.dv[k]);
+      moved.texcoord += offset * Eigen::Vector2d(place.du[k], place.dv[k]);
       return Eigen::Vector2d(map.at(moved).gradient.head<2>());
     };
     found.col(k) = (gradient_at(step) - gradient_at(-step)) / (2.0 * step);
@@ -50,16 +50,15 @@ Eigen::Matrix2d second_derivative(const ImageMap& map, const MapPlace& place, do
   return 0.5 * (found + found.transpose());
 }
 
-double largest_of(const Eigen::Matrix2d& matrix) {
+double largest_eigenvalue_of(const Eigen::Matrix2d& matrix) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
 TEST(MappedSpring, AWaveHasItsOwnCurvature) {
-  const ImageMap map{.image = image_of(256, 1, [](double u, double) { return 0.5 + 0.5 * std::cos(kTurnOfWave * u); }),
-                     .at_black = -0.001,
-                     .at_white = 0.0};
+  const ImageMap map{
+      .image = image_of(256, 1, [](double u, double) { return 0.5 + 0.5 * std::cos(kFullTurn * u); }), .at_black = -0.001, .at_white = 0.0};
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    const double expected = 0.5 * 0.001 * std::pow(kTurnOfWave / (0.02 * scale), 2);
+    const double expected = 0.5 * 0.001 * std::pow(kFullTurn / (0.02 * scale), 2);
     const double found = largest_curvature(map, sheet(0.02 * scale, 0.3 * scale));
     EXPECT_GT(found, 0.999 * expected) << scale;
     EXPECT_LT(found, 1.06 * expected) << scale;
@@ -81,14 +80,14 @@ TEST(MappedSpring, LargestCurvatureBoundsAllPlacesAndIsReached) {
     const double scale = std::pow(10.0, 8.0 * unit(random) - 4.0);
     const Triangles triangles = sheet(scale, scale * (0.1 + 10.0 * unit(random)), scale * (unit(random) - 0.5));
     MapPlace place = map_gradients(triangles[0]);
-    double most = 0.0;
+    double largest_sampled = 0.0;
     for (int n = 0; n < 20000; ++n) {
       place.texcoord = {unit(random), unit(random)};
-      most = std::max(most, largest_of(second_derivative(map, place, 1e-6 * scale)));
+      largest_sampled = std::max(largest_sampled, largest_eigenvalue_of(second_derivative(map, place, 1e-6 * scale)));
     }
     const double found = largest_curvature(map, triangles);
-    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
-    EXPECT_LE(found, 1.25 * most) << "seed " << seed;
+    EXPECT_GE(found, (1.0 - 1e-3) * largest_sampled) << "seed " << seed;
+    EXPECT_LE(found, 1.25 * largest_sampled) << "seed " << seed;
   }
 }
 
@@ -97,17 +96,17 @@ TEST(MappedSpring, LargestCurvatureBoundsAllPlacesAndIsReached) {
 TEST(MappedSpring, ABumpOfOneTexelIsFoundWhereverItLies) {
   constexpr int kWidth = 5;
   constexpr int kHeight = 4;
-  for (const bool is_down : {false, true}) {
-    const Triangles triangles = is_down ? sheet(1.0, 0.01) : sheet(0.01, 1.0);
-    const double per_m = (is_down ? kHeight : kWidth) / 0.01;
+  for (const bool is_along_columns : {false, true}) {
+    const Triangles triangles = is_along_columns ? sheet(1.0, 0.01) : sheet(0.01, 1.0);
+    const double per_m = (is_along_columns ? kHeight : kWidth) / 0.01;
     const double expected = 0.75 * 2.0 * 0.001 * per_m * per_m;
     for (int bump = 0; bump < kWidth * kHeight; ++bump) {
       std::vector<float> texels(kWidth * kHeight, 0.0F);
       texels[static_cast<std::size_t>(bump)] = 1.0F;
       const auto image = std::make_shared<const SurfaceImage>(kWidth, kHeight, std::move(texels));
       const double found = largest_curvature({.image = image, .at_black = 0.0, .at_white = -0.001}, triangles);
-      EXPECT_GE(found, (1.0 - 1e-9) * expected) << bump << " " << is_down;
-      EXPECT_LE(found, 1.1 * expected) << bump << " " << is_down;
+      EXPECT_GE(found, (1.0 - 1e-9) * expected) << bump << " " << is_along_columns;
+      EXPECT_LE(found, 1.1 * expected) << bump << " " << is_along_columns;
     }
   }
 }
@@ -126,16 +125,16 @@ TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
           .image = std::make_shared<const SurfaceImage>(kSize, kSize, std::move(texels)), .at_black = 0.0, .at_white = white_m};
       const Triangles triangles = sheet(0.01, 0.01);
       MapPlace place = map_gradients(triangles[0]);
-      double most = 0.0;
+      double largest_sampled = 0.0;
       for (int v = -20; v <= 40; ++v) {
         for (int u = -20; u <= 40; ++u) {
           place.texcoord = Eigen::Vector2d(x + 0.5 + 0.05 * u, y + 0.5 + 0.05 * v) / kSize;
-          most = std::max(most, largest_of(second_derivative(map, place, 1e-8)));
+          largest_sampled = std::max(largest_sampled, largest_eigenvalue_of(second_derivative(map, place, 1e-8)));
         }
       }
       const double found = largest_curvature(map, triangles);
-      EXPECT_GE(found, (1.0 - 1e-3) * most) << corner << " " << white_m;
-      EXPECT_LE(found, 1.1 * most) << corner << " " << white_m;
+      EXPECT_GE(found, (1.0 - 1e-3) * largest_sampled) << corner << " " << white_m;
+      EXPECT_LE(found, 1.1 * largest_sampled) << corner << " " << white_m;
     }
   }
 }
@@ -144,27 +143,27 @@ TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
 TEST(MappedSpring, AStepOfOneTexelIsFoundWhereverItLies) {
   constexpr int kWidth = 5;
   constexpr int kHeight = 4;
-  for (const bool is_down : {false, true}) {
-    const Triangles triangles = is_down ? sheet(10.0, 0.01) : sheet(0.01, 10.0);
+  for (const bool is_along_columns : {false, true}) {
+    const Triangles triangles = is_along_columns ? sheet(10.0, 0.01) : sheet(0.01, 10.0);
     for (const bool is_soft : {false, true}) {
-      for (int differs = 0; differs < kWidth * kHeight; ++differs) {
+      for (int odd_texel = 0; odd_texel < kWidth * kHeight; ++odd_texel) {
         std::vector<float> texels(kWidth * kHeight, is_soft ? 1.0F : 0.0F);
-        texels[static_cast<std::size_t>(differs)] = is_soft ? 0.0F : 1.0F;
+        texels[static_cast<std::size_t>(odd_texel)] = is_soft ? 0.0F : 1.0F;
         const ImageMap share{
             .image = std::make_shared<const SurfaceImage>(kWidth, kHeight, std::move(texels)), .at_black = 0.5, .at_white = 1.0};
         const MappedSpring spring{.spring_n_per_m = 1e15, .pressed_n = 3.0};
         MapPlace place = map_gradients(triangles[0]);
-        double most = 0.0;
+        double largest_sampled = 0.0;
         for (int along = -100; along <= 100; ++along) {
-          Eigen::Vector2d texel(differs % kWidth + 0.5, differs / kWidth + 0.5);
-          texel[is_down ? 1 : 0] += 0.01 * along;
+          Eigen::Vector2d texel(odd_texel % kWidth + 0.5, odd_texel / kWidth + 0.5);
+          texel[is_along_columns ? 1 : 0] += 0.01 * along;
           place.texcoord = {texel.x() / kWidth, texel.y() / kHeight};
           const ImageMap::Value at = share.at(place);
-          most = std::max(most, spring.pressed_n / at.number * at.gradient.norm());
+          largest_sampled = std::max(largest_sampled, spring.pressed_n / at.number * at.gradient.norm());
         }
         const double found = spring.added_n_per_m(share, triangles, 0.0);
-        EXPECT_GE(found, (1.0 - 1e-3) * most) << differs << " " << is_down << " " << is_soft;
-        EXPECT_LE(found, 1.1 * most) << differs << " " << is_down << " " << is_soft;
+        EXPECT_GE(found, (1.0 - 1e-3) * largest_sampled) << odd_texel << " " << is_along_columns << " " << is_soft;
+        EXPECT_LE(found, 1.1 * largest_sampled) << odd_texel << " " << is_along_columns << " " << is_soft;
       }
     }
   }
@@ -173,21 +172,21 @@ TEST(MappedSpring, AStepOfOneTexelIsFoundWhereverItLies) {
 // All texels but one are equal. The stiffest texel counts, wherever it lies.
 TEST(MappedSpring, TheStiffestTexelIsFoundWhereverItLies) {
   constexpr int kSize = 4;
-  for (int differs = 0; differs < kSize * kSize; ++differs) {
+  for (int odd_texel = 0; odd_texel < kSize * kSize; ++odd_texel) {
     std::vector<float> texels(kSize * kSize, 0.0F);
-    texels[static_cast<std::size_t>(differs)] = 1.0F;
+    texels[static_cast<std::size_t>(odd_texel)] = 1.0F;
     const ImageMap share{.image = std::make_shared<const SurfaceImage>(kSize, kSize, std::move(texels)), .at_black = 0.5, .at_white = 1.0};
     const MappedSpring spring{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .pressed_n = 1e-9};
     // In the middle of a texel its own share has a weight of 9/16.
     const double expected = (0.5 + 0.5 * 9.0 / 16.0) * 1000.0 + 300.0;
     const double found = spring.largest_n_per_m(share, sheet(1.0, 1.0));
-    EXPECT_GE(found, (1.0 - 1e-9) * expected) << differs;
-    EXPECT_LE(found, 1.06 * expected) << differs;
+    EXPECT_GE(found, (1.0 - 1e-9) * expected) << odd_texel;
+    EXPECT_LE(found, 1.06 * expected) << odd_texel;
   }
   // The spring of friction counts where it is stiffer than the spring of the surface.
-  const ImageMap all{.image = image_of(2, 2, [](double, double) { return 1.0; }), .at_black = 0.5, .at_white = 1.0};
-  const MappedSpring rubbed{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .sideways_n_per_m = 5000.0, .pressed_n = 1e-9};
-  EXPECT_NEAR(rubbed.largest_n_per_m(all, sheet(1.0, 1.0)), kMapMargin * 5000.0, 1e-6);
+  const ImageMap uniform_share{.image = image_of(2, 2, [](double, double) { return 1.0; }), .at_black = 0.5, .at_white = 1.0};
+  const MappedSpring with_friction{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .sideways_n_per_m = 5000.0, .pressed_n = 1e-9};
+  EXPECT_NEAR(with_friction.largest_n_per_m(uniform_share, sheet(1.0, 1.0)), kMapMargin * 5000.0, 1e-6);
 }
 
 // Where one triangle maps the image more densely, its curvature counts.
@@ -214,7 +213,7 @@ TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
     const Triangles triangles = sheet(scale, scale * (0.3 + 3.0 * unit(random)), 0.3 * scale);
     const MappedSpring spring{.spring_n_per_m = 200.0 + 2000.0 * unit(random), .pressed_n = 10.0 * unit(random)};
     MapPlace place = map_gradients(triangles[0]);
-    double most = 0.0;
+    double largest_sampled = 0.0;
     for (int n = 0; n < 30000; ++n) {
       place.texcoord = {unit(random), unit(random)};
       const ImageMap::Value at = share.at(place);
@@ -223,11 +222,11 @@ TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
       k(2, 2) = at.number * spring.spring_n_per_m;
       k.topLeftCorner<2, 2>() = 0.5 * force * force / spring.spring_n_per_m * second_derivative(share, place, 1e-6 * scale);
       k.col(2).head<2>() = k.row(2).head<2>() = -force * at.gradient.head<2>();
-      most = std::max(most, Eigen::SelfAdjointEigenSolver<Mat3>(k, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+      largest_sampled = std::max(largest_sampled, Eigen::SelfAdjointEigenSolver<Mat3>(k, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
     }
     const double found = spring.largest_n_per_m(share, triangles);
-    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
-    EXPECT_LE(found, 1.6 * most) << "seed " << seed;
+    EXPECT_GE(found, (1.0 - 1e-3) * largest_sampled) << "seed " << seed;
+    EXPECT_LE(found, 1.6 * largest_sampled) << "seed " << seed;
     EXPECT_GE(spring.added_n_per_m(share, triangles, 0.5), spring.added_n_per_m(share, triangles, 0.0)) << "seed " << seed;
   }
 }
@@ -243,15 +242,16 @@ TEST(MappedSpring, AddedStiffnessOnBumpsIsThatOfTheSteepestPlace) {
     const Triangles triangles = sheet(0.1, 0.1 * (0.3 + unit(random)), 0.2 * (2.0 * unit(random) - 1.0));
     const MappedSpring spring{.spring_n_per_m = 1e15, .pressed_n = 3.0};
     MapPlace place = map_gradients(triangles[0]);
-    double most = 0.0;
+    double largest_sampled = 0.0;
     for (int n = 0; n < 30000; ++n) {
       place.texcoord = {unit(random), unit(random)};
       const ImageMap::Value at = share.at(place);
-      most = std::max(most, spring.pressed_n / at.number * at.gradient.norm() * (std::sqrt(1.0 + slope * slope) + slope));
+      largest_sampled =
+          std::max(largest_sampled, spring.pressed_n / at.number * at.gradient.norm() * (std::sqrt(1.0 + slope * slope) + slope));
     }
     const double found = spring.added_n_per_m(share, triangles, slope);
-    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
-    EXPECT_LE(found, 1.1 * most) << "seed " << seed;
+    EXPECT_GE(found, (1.0 - 1e-3) * largest_sampled) << "seed " << seed;
+    EXPECT_LE(found, 1.1 * largest_sampled) << "seed " << seed;
   }
 }
 

@@ -54,11 +54,11 @@ TEST(MassEffect, FollowsASwingingHandAsItsClosedFormDoes) {
   const MassEffect mass = {.mass_kg = 0.1, .filter_s = 0.02, .max_force_n = 50};
   for (const double hz : {0.5, 2.0, 8.0, 30.0, 120.0, 400.0}) {
     const double angle = 2.0 * std::numbers::pi * hz * 1e-3;
-    const Complex back = std::polar(1.0, -angle);
+    const Complex delay = std::polar(1.0, -angle);
     Complex mean;
-    for (int i = 0; i < 8; ++i) mean += (8.0 - i) / 36.0 * std::pow(back, i);
+    for (int i = 0; i < 8; ++i) mean += (8.0 - i) / 36.0 * std::pow(delay, i);
     const double share = -std::expm1(-1e-3 / 0.02);
-    const Complex acceleration = share * (1.0 - back) / (1.0 - (1.0 - share) * back) / 1e-3 * mean * (1.0 - back) / 1e-3;
+    const Complex acceleration = share * (1.0 - delay) / (1.0 - (1.0 - share) * delay) / 1e-3 * mean * (1.0 - delay) / 1e-3;
     MassEffect::State state;
     SmoothVelocity velocity;
     double worst_n = 0.0;
@@ -116,7 +116,7 @@ TEST(MassEffect, NeverGivesEnergyBelowItsBound) {
     const auto smooth = paths::closed(seed, 1000, Vec3::Zero(), 0.04);
     MassEffect::State state;
     SmoothVelocity velocity;
-    double given_j = 0.0;
+    double energy_to_hand_j = 0.0;
     double least_j = 0.0;
     Vec3 last = Vec3::Zero();
     velocity.add(last, 1e-3);
@@ -125,12 +125,12 @@ TEST(MassEffect, NeverGivesEnergyBelowItsBound) {
       const Vec3 swing(std::cos(angle * k), std::sin(angle * k), 0.0);
       const Vec3 p = seed % 3 == 0 ? Vec3(smooth[static_cast<std::size_t>(k % 1000)] - smooth[0]) : Vec3(1e-3 * swing + 1e-5 * noise);
       velocity.add(p, 1e-3);
-      given_j += mass.force({.p_SD = p, .v_SD = velocity.mean(), .time_s = 1e-3 * k}, state).dot(p - last);
-      least_j = std::min(least_j, given_j);
+      energy_to_hand_j += mass.force({.p_SD = p, .v_SD = velocity.mean(), .time_s = 1e-3 * k}, state).dot(p - last);
+      least_j = std::min(least_j, energy_to_hand_j);
       last = p;
-      ASSERT_LE(given_j, -1e-12 * least_j) << "seed " << seed << ", step " << k;
+      ASSERT_LE(energy_to_hand_j, -1e-12 * least_j) << "seed " << seed << ", step " << k;
     }
-    EXPECT_LT(given_j, 0.0) << "seed " << seed;
+    EXPECT_LT(energy_to_hand_j, 0.0) << "seed " << seed;
   }
 }
 
@@ -141,7 +141,7 @@ TEST(MassEffect, WithTheLastIntervalsVelocityGivesNoEnergy) {
   const MassEffect mass = {.mass_kg = 0.5, .filter_s = 0.01, .max_force_n = 25.0};
   MassEffect::State state;
   double t_s = 0.0;
-  double given_j = 0.0;
+  double energy_to_hand_j = 0.0;
   int slips = 0;
   for (int k = 0; k < 5000; ++k) {
     const double dt_s = std::pow(10.0, -3.0 + unit(random));
@@ -149,8 +149,8 @@ TEST(MassEffect, WithTheLastIntervalsVelocityGivesNoEnergy) {
     const Vec3 v(unit(random), unit(random), 0.2);
     const Vec3 force_n = mass.force({.v_SD = v, .time_s = t_s}, state);
     slips += force_n.norm() > 24.99 ? 1 : 0;
-    given_j += dt_s * force_n.dot(v);
-    ASSERT_LE(given_j, -0.5 * 0.5 * state.u.squaredNorm() + 1e-12) << "step " << k;
+    energy_to_hand_j += dt_s * force_n.dot(v);
+    ASSERT_LE(energy_to_hand_j, -0.5 * 0.5 * state.u.squaredNorm() + 1e-12) << "step " << k;
   }
   EXPECT_GT(slips, 1000);
   EXPECT_LT(slips, 4900);

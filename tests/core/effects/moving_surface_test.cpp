@@ -38,7 +38,7 @@ TEST(MovingSurface, AHandThatGoesAlongWithWhatDeformsIsNotSlowed) {
   const Pose X_SF = turned_and_moved();
   for (const double share : {0.0, 0.5, 1.0}) {
     EffectStep step({thick}, {}, {0});
-    Vec3 felt_n;
+    Vec3 force_n;
     for (int n = 0; n < 40; ++n) {
       const Vec3 p_FD(1e-4 * n, -2e-3, 0.0);
       SurfacePlace place;
@@ -46,9 +46,9 @@ TEST(MovingSurface, AHandThatGoesAlongWithWhatDeformsIsNotSlowed) {
       SurfaceContact contact = pressed_in(X_SF, p_FD);
       contact.place = &place;
       step.place({&X_SF, 1});
-      felt_n = X_SF.linear().transpose() * step.step(X_SF * p_FD, kStepOfFrame, contact).force_n;
+      force_n = X_SF.linear().transpose() * step.step(X_SF * p_FD, kStepOfFrame, contact).force_n;
     }
-    EXPECT_LT((felt_n - Vec3(-4.0 * (1.0 - share) * 0.1, 2.0, 0)).norm(), 1e-9) << share;
+    EXPECT_LT((force_n - Vec3(-4.0 * (1.0 - share) * 0.1, 2.0, 0)).norm(), 1e-9) << share;
   }
 }
 
@@ -58,16 +58,16 @@ TEST(MovingSurface, AFrameIsNotFollowedWhileNobodyPlacesIt) {
   const Pose X_SF = turned_and_moved();
   for (const bool is_placed : {true, false}) {
     EffectStep step({thick}, {}, {0});
-    const auto felt = [&](const Vec3& p_FD) {
+    const auto force_at = [&](const Vec3& p_FD) {
       step.place({&X_SF, 1});
       return Vec3(X_SF.linear().transpose() * step.step(X_SF * p_FD, kStepOfFrame, pressed_in(X_SF, p_FD)).force_n);
     };
-    (void)felt({0.0, -2e-3, 0.0});
+    (void)force_at({0.0, -2e-3, 0.0});
     const Vec3 moved(4e-4, -2e-3, 0.0);
     if (!is_placed) {
       for (int n = 1; n < 4; ++n) (void)step.step_in_space(X_SF * Vec3(1e-4 * n, -2e-3, 0.0), kStepOfFrame);
     }
-    const double sideways_n = felt(moved).x();
+    const double sideways_n = force_at(moved).x();
     if (is_placed) {
       EXPECT_LT(sideways_n, -0.1);
     } else {

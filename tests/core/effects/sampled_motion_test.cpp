@@ -10,7 +10,7 @@ namespace {
 constexpr double kSampleS = 1e-3;
 
 // Adds this number of samples of a motion from x_m along x at this speed.
-void go_on(SampledMotion& motion, double& x_m, double m_per_s, int samples) {
+void add_samples(SampledMotion& motion, double& x_m, double m_per_s, int samples) {
   for (int n = 0; n < samples; ++n) motion.add(Vec3(x_m += kSampleS * m_per_s, 0, 0), kSampleS);
 }
 
@@ -19,7 +19,7 @@ TEST(SampledMotion, IsThatOfSteadySamples) {
   double x_m = 0.3;
   motion.add(Vec3(x_m, 0, 0), 0.0);
   EXPECT_EQ(motion.velocity(), Vec3::Zero());
-  go_on(motion, x_m, 0.1, 8);
+  add_samples(motion, x_m, 0.1, 8);
   EXPECT_NEAR(motion.velocity().x(), 0.1, 1e-12);
 }
 
@@ -28,11 +28,11 @@ TEST(SampledMotion, BeginsAnewWhereTheClockStepsBack) {
   SampledMotion motion;
   double x_m = 0.0;
   motion.add(Vec3(x_m, 0, 0), 0.0);
-  go_on(motion, x_m, 0.1, 20);
+  add_samples(motion, x_m, 0.1, 20);
   motion.add(Vec3(x_m += 0.1, 0, 0), -1000.0);
   EXPECT_EQ(motion.velocity(), Vec3::Zero());
   for (int n = 0; n < 20; ++n) {
-    go_on(motion, x_m, 0.05, 1);
+    add_samples(motion, x_m, 0.05, 1);
     EXPECT_LE(motion.velocity().x(), 0.05 + 1e-9) << n;
     EXPECT_GE(motion.velocity().x(), 0.0) << n;
   }
@@ -45,7 +45,7 @@ TEST(SampledMotion, CountsTheTimeOfSamplesWithoutAPlace) {
   double x_m = 0.0;
   motion.add(nowhere, 0.0);
   motion.add(Vec3(x_m, 0, 0), kSampleS);
-  go_on(motion, x_m, 0.1, 8);
+  add_samples(motion, x_m, 0.1, 8);
   for (int n = 0; n < 10; ++n) motion.add(nowhere, kSampleS);
   motion.add(Vec3(x_m += 11 * kSampleS * 0.1, 0, 0), kSampleS);
   EXPECT_NEAR(motion.velocity().x(), 0.1, 1e-9);

@@ -24,11 +24,11 @@ TEST(SmoothVelocity, IsTheVelocityOfSteadyMotion) {
 TEST(SmoothVelocity, WeightsFallLinearly) {
   SmoothVelocity velocity;
   velocity.add(Vec3::Zero(), kMillisecond);
-  double share = 0.0;
+  double weight_sum = 0.0;
   for (int m = 1; m <= 8; ++m) {
     velocity.add(Vec3(m * kMillisecond, 0, 0), kMillisecond);
-    share += (9.0 - m) / 36.0;
-    EXPECT_NEAR(velocity.mean().x(), share, 1e-12) << m;
+    weight_sum += (9.0 - m) / 36.0;
+    EXPECT_NEAR(velocity.mean().x(), weight_sum, 1e-12) << m;
   }
 }
 
@@ -42,19 +42,19 @@ TEST(SmoothVelocity, AMovedFrameIsNoMotion) {
 }
 
 TEST(SmoothVelocity, ForgetsAllAfterItsSamples) {
-  SmoothVelocity wild;
+  SmoothVelocity noisy;
   SmoothVelocity fresh;
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto point = [&] { return Vec3(unit(random), unit(random), unit(random)); };
-  for (int k = 0; k < 100; ++k) wild.add(point(), kMillisecond);
+  for (int k = 0; k < 100; ++k) noisy.add(point(), kMillisecond);
   for (int k = 0; k < 9; ++k) {
     const Vec3 p = point();
-    wild.add(p, kMillisecond);
+    noisy.add(p, kMillisecond);
     fresh.add(p, kMillisecond);
   }
   // The sum is in the order of the samples, so both results are the same to the bit.
-  EXPECT_EQ(wild.mean(), fresh.mean());
+  EXPECT_EQ(noisy.mean(), fresh.mean());
 }
 
 // The sum of v_k . mean_k, to which the energy that a damper takes is proportional, for motions that could make it negative: noise, and
@@ -68,29 +68,29 @@ TEST(SmoothVelocity, IsAlongTheMotionOverall) {
     SmoothVelocity velocity;
     Vec3 p = Vec3::Zero();
     velocity.add(p, kMillisecond);
-    double taken = 0.0;
-    double squares = 0.0;
+    double damper_energy = 0.0;
+    double sum_of_squares = 0.0;
     for (int k = 0; k < 400; ++k) {
-      const double turn = std::numbers::pi * trial / 100.0 * k;
-      const Vec3 v = trial <= 100 ? Vec3(std::cos(turn), std::sin(turn), 0) : Vec3(normal(random), normal(random), normal(random));
+      const double angle = std::numbers::pi * trial / 100.0 * k;
+      const Vec3 v = trial <= 100 ? Vec3(std::cos(angle), std::sin(angle), 0) : Vec3(normal(random), normal(random), normal(random));
       p += kMillisecond * v;
       velocity.add(p, kMillisecond);
-      taken += velocity.newest().dot(velocity.mean());
-      squares += velocity.newest().squaredNorm();
+      damper_energy += velocity.newest().dot(velocity.mean());
+      sum_of_squares += velocity.newest().squaredNorm();
     }
     // The filter's response has a real part of at least half its first weight: (8 / 36) / 2.
-    EXPECT_GT(taken, 0.99 * squares / 9.0) << "trial " << trial << ", seed " << kSeed;
+    EXPECT_GT(damper_energy, 0.99 * sum_of_squares / 9.0) << "trial " << trial << ", seed " << kSeed;
   }
 }
 
 // A sample comes 0.9 ms late, the next one 0.1 ms later with an encoder error of 10 um. That error counts 8 times, over 35.1 weighted ms.
 TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
   SmoothVelocity velocity;
-  double at_m = 0.0;
+  double x_m = 0.0;
   velocity.add(Vec3::Zero(), kMillisecond);
-  for (int k = 0; k < 8; ++k) velocity.add(Vec3(at_m += 0.1e-3, 0, 0), kMillisecond);
-  velocity.add(Vec3(at_m += 0.19e-3, 0, 0), 1.9e-3);
-  velocity.add(Vec3(at_m + 0.01e-3 + 1e-5, 0, 0), 0.1e-3);
+  for (int k = 0; k < 8; ++k) velocity.add(Vec3(x_m += 0.1e-3, 0, 0), kMillisecond);
+  velocity.add(Vec3(x_m += 0.19e-3, 0, 0), 1.9e-3);
+  velocity.add(Vec3(x_m + 0.01e-3 + 1e-5, 0, 0), 0.1e-3);
   EXPECT_NEAR(velocity.newest().x(), 0.2, 1e-9);
   EXPECT_NEAR(velocity.mean().x(), 0.1 + 8 * 1e-5 / 35.1e-3, 1e-12);
 }
@@ -98,19 +98,19 @@ TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
 // The energy that a damper takes where samples come late and early in turn: forward in the long intervals, back in the short ones.
 TEST(SmoothVelocity, IsAlongTheMotionAlsoWhereSamplesComeLate) {
   for (const double early_s : {0.1e-3, 0.3e-3, 0.8e-3}) {
-    for (double back = 0.0; back < 20.0; back += 0.5) {
+    for (double backward_speed = 0.0; backward_speed < 20.0; backward_speed += 0.5) {
       SmoothVelocity velocity;
       Vec3 p = Vec3::Zero();
       velocity.add(p, kMillisecond);
-      double taken_j = 0.0;
+      double damper_energy_j = 0.0;
       for (int k = 0; k < 200; ++k) {
         const double dt_s = k % 2 == 0 ? 2e-3 - early_s : early_s;
-        const Vec3 moved = dt_s * Vec3(k % 2 == 0 ? 1.0 : -back, 0, 0);
+        const Vec3 moved = dt_s * Vec3(k % 2 == 0 ? 1.0 : -backward_speed, 0, 0);
         p += moved;
         velocity.add(p, dt_s);
-        taken_j += moved.dot(velocity.mean());
+        damper_energy_j += moved.dot(velocity.mean());
       }
-      EXPECT_GT(taken_j, 0.0) << early_s << " s, back with " << back;
+      EXPECT_GT(damper_energy_j, 0.0) << early_s << " s, back with " << backward_speed;
     }
   }
 }

@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 // The hand tows MassEffect through a damper: the mass gives back no more energy than it got, and the damper takes some.
-TEST(SpaceEffect, SaysWhatItDoesToEnergyAndHowStrongItIs) {
+TEST(SpaceEffect, StatesItsPassivityAndItsBound) {
   EXPECT_EQ(passivity_of(SpringEffect()), Passivity::conservative);
   EXPECT_EQ(passivity_of(SnapEffect()), Passivity::conservative);
   EXPECT_EQ(passivity_of(GravityWellEffect()), Passivity::conservative);

@@ -18,7 +18,7 @@ TEST(SpringEffect, GivesNoEnergyOverAClosedPath) {
   const SpringEffect spring = {.centre = {0.01, 0, 0}, .stiffness_n_per_m = 50, .max_force_n = 0.6};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const paths::Work work =
-        paths::around(paths::closed(seed, 20000, {0.0, 0.01, 0}, 0.04), [&](const Vec3& p) { return spring.force({.p_SD = p}); });
+        paths::work_along(paths::closed(seed, 20000, {0.0, 0.01, 0}, 0.04), [&](const Vec3& p) { return spring.force({.p_SD = p}); });
     EXPECT_LT(std::abs(work.net_j), 1e-5 * work.absolute_j) << "seed " << seed;
   }
 }

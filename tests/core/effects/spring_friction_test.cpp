@@ -33,22 +33,22 @@ TEST(SpringFriction, TakesEnergyOverAnyMotion) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
     SpringFriction::State state;
-    double given_j = 0.0;
-    double most_n = 0.0;
+    double energy_to_hand_j = 0.0;
+    double largest_n = 0.0;
     for (int n = 0; n < 20000; ++n) {
       const Vec3 motion = 2e-4 * Vec3(unit(random), unit(random), unit(random));
       const Vec3 normal = Vec3(0.3 * unit(random), 0.3 * unit(random), 1.0).normalized();
       const double normal_n = 1.0 + unit(random);
       const double coefficient = 0.5 + 0.5 * unit(random);
-      const double slipping = coefficient * (0.5 + 0.5 * unit(random));
-      const Vec3 force_n = SpringFriction::force(motion, normal, kSlipSpring, normal_n, {coefficient, slipping}, state);
+      const double sliding_coefficient = coefficient * (0.5 + 0.5 * unit(random));
+      const Vec3 force_n = SpringFriction::force(motion, normal, kSlipSpring, normal_n, {coefficient, sliding_coefficient}, state);
       EXPECT_LE(force_n.norm(), coefficient * normal_n * (1.0 + 1e-12));
       EXPECT_LT(std::abs(force_n.dot(normal)), 1e-12);
-      given_j += force_n.dot(motion);
-      most_n = std::max(most_n, force_n.norm());
-      ASSERT_LE(given_j, 1e-15) << "seed " << seed << ", step " << n;
+      energy_to_hand_j += force_n.dot(motion);
+      largest_n = std::max(largest_n, force_n.norm());
+      ASSERT_LE(energy_to_hand_j, 1e-15) << "seed " << seed << ", step " << n;
     }
-    EXPECT_GT(most_n, 0.5);
+    EXPECT_GT(largest_n, 0.5);
   }
 }
 

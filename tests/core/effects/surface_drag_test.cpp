@@ -34,9 +34,9 @@ TEST(SurfaceDrag, FrictionSticksAndSlips) {
   (void)press_plane(step, {0, 0, 1e-4});
   (void)press_plane(step, {0, 0, -2e-3});
   for (int n = 1; n < 40; ++n) {
-    const Vec3 felt = press_plane(step, {1e-4 * n, 0, -2e-3}).force_n;
-    EXPECT_NEAR(felt.z(), 2.0, 1e-9);
-    EXPECT_NEAR(felt.x(), n <= 16 ? -0.1 * n : -0.8, 1e-9) << n;
+    const Vec3 force_n = press_plane(step, {1e-4 * n, 0, -2e-3}).force_n;
+    EXPECT_NEAR(force_n.z(), 2.0, 1e-9);
+    EXPECT_NEAR(force_n.x(), n <= 16 ? -0.1 * n : -0.8, 1e-9) << n;
   }
   // After the device has been lifted and put down elsewhere, friction begins anew.
   (void)press_plane(step, {4e-3, 0, 1e-4});
@@ -46,29 +46,29 @@ TEST(SurfaceDrag, FrictionSticksAndSlips) {
 // In the layer of method smooth, where a spring acts before the surface (smooth_force.h), the force is large where the depth is small.
 TEST(SurfaceDrag, TheSpringOfFrictionIsNoStifferThanTheMaterial) {
   EffectStep step({SurfaceEffects{.drag = {.stiffness_n_per_m = kDragSpring, .friction = {0.5, 0.5}}}}, {});
-  const auto felt_n = [&](double x_m) {
+  const auto friction_n = [&](double x_m) {
     return -step.step({x_m, 0, -1e-5}, 1e-3, {.force_n = {0, 0, 2.0}, .p_SP = {x_m, 0, 0}, .object = 0, .contact = true}).force_n.x();
   };
-  (void)felt_n(0.0);
-  for (int n = 1; n <= 20; ++n) EXPECT_NEAR(felt_n(1e-4 * n), std::min(1.0, kDragSpring * 1e-4 * n), 1e-9) << n;
+  (void)friction_n(0.0);
+  for (int n = 1; n <= 20; ++n) EXPECT_NEAR(friction_n(1e-4 * n), std::min(1.0, kDragSpring * 1e-4 * n), 1e-9) << n;
 }
 
 TEST(SurfaceDrag, CanBeSetWhileItIsFeltAndLayersReplaceTheDamping) {
   TissueLayers layers;
   layers.add({.depth_m = 0.0, .stiffness_n_per_m = kDragSpring});
-  EffectStep step({SurfaceEffects(), SurfaceEffects{.layers = layers}}, {});
-  EXPECT_TRUE(step.any()) << "the layers";
-  EffectStep plain({SurfaceEffects()}, {});
-  EXPECT_FALSE(plain.any());
-  plain.set_drag(0, {.friction = {0.5, 0.5}});
-  EXPECT_TRUE(plain.any());
-  (void)press_plane(plain, {0, 0, -1e-3});
-  EXPECT_NEAR(press_plane(plain, {1e-3, 0, -1e-3}).force_n.x(), -0.5, 1e-9);
-  plain.set_drag(0, {});
-  EXPECT_NEAR(press_plane(plain, {2e-3, 0, -1e-3}).force_n.norm(), 1.0, 1e-9);
-  step.set_drag(1, {.damping_ns_per_m = 5.0});
+  EffectStep with_layers({SurfaceEffects(), SurfaceEffects{.layers = layers}}, {});
+  EXPECT_TRUE(with_layers.any()) << "the layers";
+  EffectStep without_layers({SurfaceEffects()}, {});
+  EXPECT_FALSE(without_layers.any());
+  without_layers.set_drag(0, {.friction = {0.5, 0.5}});
+  EXPECT_TRUE(without_layers.any());
+  (void)press_plane(without_layers, {0, 0, -1e-3});
+  EXPECT_NEAR(press_plane(without_layers, {1e-3, 0, -1e-3}).force_n.x(), -0.5, 1e-9);
+  without_layers.set_drag(0, {});
+  EXPECT_NEAR(press_plane(without_layers, {2e-3, 0, -1e-3}).force_n.norm(), 1.0, 1e-9);
+  with_layers.set_drag(1, {.damping_ns_per_m = 5.0});
   const auto in_layers = [&](double z_m) {
-    return step.step({0, 0, z_m}, 1e-3, {.force_n = {0, 0, -kDragSpring * z_m}, .p_SP = Vec3::Zero(), .object = 1, .contact = true})
+    return with_layers.step({0, 0, z_m}, 1e-3, {.force_n = {0, 0, -kDragSpring * z_m}, .p_SP = Vec3::Zero(), .object = 1, .contact = true})
         .force_n.z();
   };
   (void)in_layers(-1e-4);
@@ -90,17 +90,17 @@ TEST(SurfaceDrag, FrictionBeginsAnewAfterASurfaceWithoutIt) {
 TEST(SurfaceDrag, TakesEnergy) {
   for (const double damping : {0.0, 4.0}) {
     EffectStep step({SurfaceEffects{.drag = {.damping_ns_per_m = damping, .friction = {0.7, 0.3}}}}, {});
-    double given_j = 0.0;
+    double energy_from_hand_j = 0.0;
     Vec3 last(0, 0, 1e-3);
     (void)press_plane(step, last);
     for (int n = 0; n < 50'000; ++n) {
       const double t = 1e-3 * n;
       const Vec3 p(0.01 * std::sin(7.0 * t), 0.008 * std::sin(11.0 * t + 1.0), 1e-3 - 2e-3 * std::pow(std::sin(3.0 * t), 2));
-      const Vec3 felt = press_plane(step, p).force_n;
-      given_j -= felt.dot(p - last);
+      const Vec3 force_n = press_plane(step, p).force_n;
+      energy_from_hand_j -= force_n.dot(p - last);
       last = p;
     }
-    EXPECT_GT(given_j, 0.05) << damping;
+    EXPECT_GT(energy_from_hand_j, 0.05) << damping;
   }
 }
 

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(SurfaceEffects, AreOffUnlessAsked) {
+TEST(SurfaceEffects, AreOffByDefault) {
   EXPECT_FALSE(SurfaceEffects().any());
   SurfaceEffects effects;
   effects.layers.add({});

@@ -103,12 +103,12 @@ TEST(SurfaceFrame, RidesOnAPointThatMovesWithinIt) {
 
 TEST(SurfaceFrame, StaysFiniteForAnyPose) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
   SurfaceFrame frame;
   for (int i = 0; i < 1000; ++i) {
-    Pose X_SF = moving_pose(anywhere(random));
-    X_SF.translation() *= std::pow(10.0, 150.0 * anywhere(random));
-    frame.advance(X_SF, {anywhere(random), anywhere(random), anywhere(random)}, i % 7 == 0 ? 0.0 : kFrameStepS);
+    Pose X_SF = moving_pose(unit(random));
+    X_SF.translation() *= std::pow(10.0, 150.0 * unit(random));
+    frame.advance(X_SF, {unit(random), unit(random), unit(random)}, i % 7 == 0 ? 0.0 : kFrameStepS);
     frame.follow_deformation(Vec3::Constant(i % 5 == 0 ? std::numeric_limits<double>::quiet_NaN() : 1e-4), i % 3 == 0 ? 0.0 : kFrameStepS);
     ASSERT_TRUE(frame.velocity().mean().allFinite()) << i;
     ASSERT_TRUE(frame.motion().allFinite()) << i;

@@ -44,23 +44,23 @@ TEST(SurfaceImage, ARampIsExact) {
 TEST(SurfaceImage, ASineHasTheHeightThatTheHeaderStates) {
   for (const int texels : {8, 32, 128}) {
     const SurfaceImage sine = made_image(texels, 4, [&](int x, int) { return std::sin(kTwoPi * (x + 0.5) / texels); });
-    const double least = std::pow(std::cos(std::numbers::pi / texels), 2);
+    const double amplitude = std::pow(std::cos(std::numbers::pi / texels), 2);
     for (double u = 0.0; u < 1.0; u += 0.00391) {
       const auto sample = sine.sample(u, 0.3);
-      EXPECT_NEAR(sample.value, std::sin(kTwoPi * u), 1.0 - least + 1e-6) << texels;
-      EXPECT_NEAR(sample.gradient.x(), kTwoPi * std::cos(kTwoPi * u), kTwoPi * (1.0 - least + 1e-5)) << texels;
+      EXPECT_NEAR(sample.value, std::sin(kTwoPi * u), 1.0 - amplitude + 1e-6) << texels;
+      EXPECT_NEAR(sample.gradient.x(), kTwoPi * std::cos(kTwoPi * u), kTwoPi * (1.0 - amplitude + 1e-5)) << texels;
     }
-    EXPECT_GE(sine.sample(0.25, 0.0).value, least - 1e-6);
+    EXPECT_GE(sine.sample(0.25, 0.0).value, amplitude - 1e-6);
   }
 }
 
 TEST(SurfaceImage, RepeatsInBothDirections) {
   const SurfaceImage image = random_image(7, 5, 3);
   for (double u = 0.01; u < 1.0; u += 0.0877) {
-    const auto here = image.sample(u, 0.43);
+    const auto expected = image.sample(u, 0.43);
     for (const double turns : {-3.0, 1.0, 1000.0}) {
-      EXPECT_NEAR(image.sample(u + turns, 0.43).value, here.value, 1e-9);
-      EXPECT_NEAR(image.sample(u, 0.43 + turns).value, here.value, 1e-9);
+      EXPECT_NEAR(image.sample(u + turns, 0.43).value, expected.value, 1e-9);
+      EXPECT_NEAR(image.sample(u, 0.43 + turns).value, expected.value, 1e-9);
     }
   }
 }
@@ -83,19 +83,19 @@ TEST(SurfaceImage, IsSmoothEverywhere) {
 TEST(SurfaceImage, IsNowhereSteeperThanStated) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SurfaceImage image = random_image(16, 11, seed);
-    const auto most = image.steepest();
+    const auto steepest = image.steepest();
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(0, 1);
-    double found = 0.0;
+    double largest_share = 0.0;
     for (int n = 0; n < 20000; ++n) {
       const auto sample = image.sample(unit(random), unit(random));
-      EXPECT_LE(std::abs(sample.gradient.x()), most.x() * (1.0 + 1e-12));
-      EXPECT_LE(std::abs(sample.gradient.y()), most.y() * (1.0 + 1e-12));
+      EXPECT_LE(std::abs(sample.gradient.x()), steepest.x() * (1.0 + 1e-12));
+      EXPECT_LE(std::abs(sample.gradient.y()), steepest.y() * (1.0 + 1e-12));
       EXPECT_GE(sample.value, 0.0);
       EXPECT_LE(sample.value, 1.0);
-      found = std::max(found, std::abs(sample.gradient.x()) / most.x());
+      largest_share = std::max(largest_share, std::abs(sample.gradient.x()) / steepest.x());
     }
-    EXPECT_GT(found, 0.5) << "not a wild guess";
+    EXPECT_GT(largest_share, 0.5) << "the stated slope is nearly reached";
   }
 }
 
@@ -113,13 +113,13 @@ TEST(SurfaceImage, HalvedIsTheMeanAndLessSteep) {
   EXPECT_EQ(smallest.steepest(), Eigen::Vector2d(0, 0));
 }
 
-TEST(SurfaceImage, AnyPlaceIsGoodAndNoneUsesTheHeap) {
+TEST(SurfaceImage, IsFiniteAtAnyPlaceAndUsesNoHeap) {
   const SurfaceImage image = random_image(4, 4, 9);
-  const double odd[] = {
+  const double extreme[] = {
       std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, -1e300, -0.0, 1.0, -1e-17};
   const AllocationGuard guard;
-  for (const double u : odd) {
-    for (const double v : odd) EXPECT_TRUE(std::isfinite(image.sample(u, v).value));
+  for (const double u : extreme) {
+    for (const double v : extreme) EXPECT_TRUE(std::isfinite(image.sample(u, v).value));
   }
   EXPECT_EQ(guard.count(), 0U);
 }

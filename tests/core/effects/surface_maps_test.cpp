@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMapSpring = 1000.0;  // N/m
 constexpr double kSide = 0.1;          // m: the image lies on a square of the plane z = 0
-constexpr double kWave = 2.0 * std::numbers::pi;
+constexpr double kRadPerWave = 2.0 * std::numbers::pi;
 
 template <class ValueAt>
 std::shared_ptr<const SurfaceImage> shared_image(int side, ValueAt value_at) {
@@ -36,7 +36,7 @@ std::shared_ptr<const std::vector<MappedTriangle>> square() {
 MapPlace place_of(const Vec3& p) { return {.texcoord = p.head<2>() / kSide, .du = Vec3::UnitX() / kSide, .dv = Vec3::UnitY() / kSide}; }
 
 struct MappedPlane {
-  explicit MappedPlane(const SurfaceMaps& given) : maps(given), step({SurfaceEffects{.maps = given}}, {}) {}
+  explicit MappedPlane(const SurfaceMaps& surface_maps) : maps(surface_maps), step({SurfaceEffects{.maps = surface_maps}}, {}) {}
 
   Vec3 force_at(const Vec3& p_SD) {
     SurfaceContact contact{.p_SP = p_SD};
@@ -121,7 +121,7 @@ TEST(SurfaceMaps, ARampPushesDownhillByTheFormula) {
 TEST(SurfaceMaps, AWaveFeelsAsBumpsByTheFormula) {
   constexpr double kHeight = 1e-3;
   const SurfaceBumps bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = kHeight, .length_m = kSide / 8.0};
-  const ImageMap height = {.image = shared_image(512, [](double u, double) { return 0.5 + 0.5 * std::cos(8.0 * kWave * u); }),
+  const ImageMap height = {.image = shared_image(512, [](double u, double) { return 0.5 + 0.5 * std::cos(8.0 * kRadPerWave * u); }),
                            .at_black = -kHeight,
                            .at_white = 0.0};
   MappedPlane plane({.triangles = square(), .height = height});
@@ -147,8 +147,8 @@ TEST(SurfaceMaps, StiffnessScalesTheSpringAndPushesToTheSoftSide) {
 }
 
 TEST(SurfaceMaps, HeightAndStiffnessGiveNoEnergyOverAClosedPath) {
-  const auto waves = [](double u, double v) { return 0.5 + 0.25 * (std::sin(8.0 * kWave * u) + std::sin(6.0 * kWave * v)); };
-  const auto others = [](double u, double v) { return 0.5 + 0.5 * std::sin(5.0 * kWave * u) * std::cos(3.0 * kWave * v); };
+  const auto waves = [](double u, double v) { return 0.5 + 0.25 * (std::sin(8.0 * kRadPerWave * u) + std::sin(6.0 * kRadPerWave * v)); };
+  const auto others = [](double u, double v) { return 0.5 + 0.5 * std::sin(5.0 * kRadPerWave * u) * std::cos(3.0 * kRadPerWave * v); };
   const ImageMap height = {.image = shared_image(256, waves), .at_black = -1e-3, .at_white = 0.0};
   const ImageMap stiffness = {.image = shared_image(128, others), .at_black = 0.1, .at_white = 1.0};
   const SurfaceMaps cases[] = {{.triangles = square(), .height = height},
@@ -158,7 +158,7 @@ TEST(SurfaceMaps, HeightAndStiffnessGiveNoEnergyOverAClosedPath) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       MappedPlane plane(maps);
       const auto work =
-          paths::around(paths::closed(seed, 50000, {0.05, 0.05, -0.002}, 0.012), [&](const Vec3& p) { return plane.force_at(p); });
+          paths::work_along(paths::closed(seed, 50000, {0.05, 0.05, -0.002}, 0.012), [&](const Vec3& p) { return plane.force_at(p); });
       EXPECT_LT(std::abs(work.net_j), 1e-4 * work.absolute_j) << "seed " << seed;
     }
   }
@@ -188,11 +188,12 @@ TEST(SurfaceMaps, TheSteepestSlopeIsNeverExceeded) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> unit(0, 1);
   const ImageMap height = {.image = shared_image(32, [&](double, double) { return unit(random); }), .at_black = -1e-3, .at_white = 0.0};
-  const double most = height.steepest(*square());
-  double found = 0.0;
-  for (int n = 0; n < 20000; ++n) found = std::max(found, height.at(place_of(kSide * Vec3(unit(random), unit(random), 0))).gradient.norm());
-  EXPECT_LE(found, most * (1.0 + 1e-12));
-  EXPECT_GT(found, 0.3 * most);
+  const double steepest = height.steepest(*square());
+  double steepest_sampled = 0.0;
+  for (int n = 0; n < 20000; ++n)
+    steepest_sampled = std::max(steepest_sampled, height.at(place_of(kSide * Vec3(unit(random), unit(random), 0))).gradient.norm());
+  EXPECT_LE(steepest_sampled, steepest * (1.0 + 1e-12));
+  EXPECT_GT(steepest_sampled, 0.3 * steepest);
 }
 
 // Viscosity that rises to the right: the force is -b(u) v along the surface, at most the contact force.

@@ -9,8 +9,8 @@ namespace hapton {
 namespace {
 
 Mat3 random_corners(std::mt19937& random, double scale) {
-  std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
-  return scale * Mat3::NullaryExpr([&] { return anywhere(random); });
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  return scale * Mat3::NullaryExpr([&] { return unit(random); });
 }
 
 // The gradient of a linear number on a triangle: differences along the edges stay the same, and it has no component along the normal.
@@ -19,17 +19,17 @@ TEST(SurfacePlace, TheGradientMovesWithTheTriangle) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     for (int i = 0; i < 200; ++i) {
       const Mat3 rest = random_corners(random, scale);
-      const Mat3 now = random_corners(random, scale);
+      const Mat3 deformed = random_corners(random, scale);
       const Vec3 e1 = rest.col(1) - rest.col(0);
       const Vec3 e2 = rest.col(2) - rest.col(0);
-      const Vec3 m = e1.cross(e2);
-      if (m.norm() < 1e-2 * scale * scale) continue;
-      const Vec3 gradient = (0.3 * e2 - 0.7 * e1).cross(m) / m.squaredNorm();  // 0.3 along e1, 0.7 along e2
+      const Vec3 rest_normal = e1.cross(e2);
+      if (rest_normal.norm() < 1e-2 * scale * scale) continue;
+      const Vec3 gradient = (0.3 * e2 - 0.7 * e1).cross(rest_normal) / rest_normal.squaredNorm();  // 0.3 along e1, 0.7 along e2
       ASSERT_NEAR(gradient.dot(e1), 0.3, 1e-9);
-      const Vec3 moved = gradient_of_deformed(rest, now) * gradient;
-      EXPECT_NEAR(moved.dot(now.col(1) - now.col(0)), 0.3, 1e-6) << scale;
-      EXPECT_NEAR(moved.dot(now.col(2) - now.col(0)), gradient.dot(e2), 1e-6) << scale;
-      const Vec3 normal = (now.col(1) - now.col(0)).cross(now.col(2) - now.col(0)).normalized();
+      const Vec3 moved = gradient_of_deformed(rest, deformed) * gradient;
+      EXPECT_NEAR(moved.dot(deformed.col(1) - deformed.col(0)), 0.3, 1e-6) << scale;
+      EXPECT_NEAR(moved.dot(deformed.col(2) - deformed.col(0)), gradient.dot(e2), 1e-6) << scale;
+      const Vec3 normal = (deformed.col(1) - deformed.col(0)).cross(deformed.col(2) - deformed.col(0)).normalized();
       EXPECT_NEAR(moved.dot(normal) * scale, 0.0, 1e-6 * (1.0 + moved.norm() * scale)) << scale;
     }
   }

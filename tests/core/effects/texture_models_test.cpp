@@ -13,11 +13,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-void expect_blend(const TextureModels& models, double speed, double force, double asked_speed, double asked_force) {
+void expect_blend(const TextureModels& models, double speed, double force, double query_speed, double query_force) {
   const TextureModel expected = made::interpolated(models, speed, force);
   TextureModels::Blend blend;
   std::size_t triangle = 5;
-  models.blend(asked_speed, asked_force, triangle, blend);
+  models.blend(query_speed, query_force, triangle, blend);
   const auto expect_coefficients = [](std::span<const double> found, const std::vector<double>& frequencies) {
     const auto expected_coefficients = made::coefficients(frequencies);
     ASSERT_EQ(found.size(), frequencies.size());
@@ -127,7 +127,7 @@ std::string models_error(double rate_hz, const std::vector<TextureModel>& models
 
 TEST(TextureModels, RejectsInvalidTextures) {
   const auto triangles = made::eight_triangles();
-  const auto with = [&](auto change) {
+  const auto error_with = [&](auto change) {
     auto models = made::nine_models(8, 4);
     change(models[3]);
     return models_error(1000.0, models, triangles);
@@ -143,19 +143,19 @@ TEST(TextureModels, RejectsInvalidTextures) {
   EXPECT_THAT(models_error(1000.0, made::nine_models(0, 4), triangles), HasSubstr("0 AR and 4 MA"));
   EXPECT_THAT(models_error(1000.0, made::nine_models(33, 0), triangles), HasSubstr("33 AR"));
   EXPECT_THAT(models_error(1000.0, made::nine_models(8, 33), triangles), HasSubstr("33 MA"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.speed_m_per_s = -0.1; }), HasSubstr("model 4: its speed"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.force_n = nan; }), HasSubstr("model 4: its force"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.variance = -1.0; }), HasSubstr("model 4: its variance"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.gain = nan; }), HasSubstr("model 4: its gain"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ar.pop_back(); }), HasSubstr("model 4 has 7 AR"));
-  EXPECT_THAT(with([&](TextureModel& m) { std::swap(m.ar[2], m.ar[3]); }), HasSubstr("model 4 is not stable"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ar[2] = m.ar[3] - 1e-6; }), HasSubstr("model 4 is not stable"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ar[7] = 3.1415; }), HasSubstr("model 4 is not stable"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ar[0] = 0.0; }), HasSubstr("model 4 is not stable"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ar[0] = nan; }), HasSubstr("model 4 is not stable"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ma[0] = nan; }), HasSubstr("model 4: its MA"));
-  EXPECT_THAT(with([&](TextureModel& m) { m.ma[3] = 3.2; }), HasSubstr("model 4: its MA"));
-  EXPECT_THAT(with([&](TextureModel& m) {
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.speed_m_per_s = -0.1; }), HasSubstr("model 4: its speed"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.force_n = nan; }), HasSubstr("model 4: its force"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.variance = -1.0; }), HasSubstr("model 4: its variance"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.gain = nan; }), HasSubstr("model 4: its gain"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ar.pop_back(); }), HasSubstr("model 4 has 7 AR"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { std::swap(m.ar[2], m.ar[3]); }), HasSubstr("model 4 is not stable"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ar[2] = m.ar[3] - 1e-6; }), HasSubstr("model 4 is not stable"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ar[7] = 3.1415; }), HasSubstr("model 4 is not stable"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ar[0] = 0.0; }), HasSubstr("model 4 is not stable"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ar[0] = nan; }), HasSubstr("model 4 is not stable"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ma[0] = nan; }), HasSubstr("model 4: its MA"));
+  EXPECT_THAT(error_with([&](TextureModel& m) { m.ma[3] = 3.2; }), HasSubstr("model 4: its MA"));
+  EXPECT_THAT(error_with([&](TextureModel& m) {
                 m.variance = 1e6;
                 m.gain = 1e4;
               }),

@@ -25,13 +25,13 @@ std::vector<double> slide(const RecordedTexture& texture, double speed, double f
   EffectStep step({SurfaceEffects{.texture = texture}}, {});
   std::vector<double> across;
   const double dt_s = 1.0 / rate_hz;
-  const auto begins = static_cast<std::size_t>(0.3 * rate_hz);
-  const auto count = static_cast<std::size_t>(seconds * rate_hz);
-  for (std::size_t n = 0; n < begins + count; ++n) {
+  const auto settling_steps = static_cast<std::size_t>(0.3 * rate_hz);
+  const auto measured_steps = static_cast<std::size_t>(seconds * rate_hz);
+  for (std::size_t n = 0; n < settling_steps + measured_steps; ++n) {
     const Vec3 p(speed * static_cast<double>(n) * dt_s, 0, -force / kTextureSpring);
     const Vec3 force_n = step.step(p, dt_s, on_floor(p)).force_n;
     EXPECT_EQ(force_n.x(), 0.0) << "along the motion";
-    if (n >= begins) across.push_back(force_n.y() / texture.mass_kg);
+    if (n >= settling_steps) across.push_back(force_n.y() / texture.mass_kg);
   }
   return across;
 }
@@ -44,12 +44,12 @@ double worst_band_db(const TextureModels& models, const TextureModel& expected, 
   const double bin_hz = rate_hz / static_cast<double>(size);
   double worst = 0.0;
   for (double low_hz = 0.02 * half_lower_hz; low_hz < 0.88 * half_lower_hz; low_hz += 0.04 * half_lower_hz) {
-    double found = 0.0, given = 0.0;
+    double measured_power = 0.0, expected_power = 0.0;
     for (auto k = static_cast<std::size_t>(low_hz / bin_hz); static_cast<double>(k) * bin_hz < low_hz + 0.04 * half_lower_hz; ++k) {
-      found += measured[k];
-      given += made::density(expected, models.rate_hz(), static_cast<double>(k) * bin_hz);
+      measured_power += measured[k];
+      expected_power += made::density(expected, models.rate_hz(), static_cast<double>(k) * bin_hz);
     }
-    worst = std::max(worst, std::abs(10.0 * std::log10(found / given)));
+    worst = std::max(worst, std::abs(10.0 * std::log10(measured_power / expected_power)));
   }
   return worst;
 }
@@ -78,12 +78,12 @@ TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
   const RecordedTexture texture = {.models = models, .mass_kg = 0.01, .max_force_n = 10.0};
   TextureVoice voice;
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> early(0.8, 1.2);
+  std::uniform_real_distribution<double> factor(0.8, 1.2);
   constexpr double kRateHz = 3700.0;  // not a multiple of the models' rate
   // The first of two steps ends at 0.4 to 0.6 of the interval. The signal is taken after the second one, so at equal intervals.
   std::vector<double> signal;
   for (int n = 0; n < 200000; ++n) {
-    const double first_s = 0.5 * early(random) / kRateHz;
+    const double first_s = 0.5 * factor(random) / kRateHz;
     voice.force(texture, {0.13, 0, 0}, Vec3::UnitZ(), 2.7, first_s);
     const Vec3 force_n = voice.force(texture, {0.13, 0, 0}, Vec3::UnitZ(), 2.7, 1.0 / kRateHz - first_s);
     if (n > 2000) signal.push_back(force_n.y() / texture.mass_kg);
@@ -121,7 +121,7 @@ TEST(TextureVoice, ActsAcrossTheMotionWithinItsBounds) {
   TextureVoice voice;
   std::mt19937_64 random(9);
   std::normal_distribution<double> normal;
-  double most = 0.0;
+  double largest_n = 0.0;
   for (int n = 0; n < 100000; ++n) {
     // Any jumps: speeds, directions and forces from step to step.
     const Vec3 n_S = Vec3(normal(random), normal(random), normal(random)).normalized();
@@ -131,47 +131,48 @@ TEST(TextureVoice, ActsAcrossTheMotionWithinItsBounds) {
     ASSERT_TRUE(force_n.allFinite());
     EXPECT_LE(force_n.norm(), std::min(texture.bound_n(), pressed_n) + 1e-12);
     EXPECT_LT(std::abs(force_n.dot(n_S)), 1e-9);
-    most = std::max(most, force_n.norm());
+    largest_n = std::max(largest_n, force_n.norm());
   }
-  EXPECT_GT(most, 1.4) << "the bound was reached";
+  EXPECT_GT(largest_n, 1.4) << "the bound was reached";
 }
 
 TEST(TextureVoice, IsSilentAtRestAndWithoutContact) {
   const auto models = made::texture(1000.0, 20, 18);
   EffectStep step({SurfaceEffects{.texture = {.models = models, .mass_kg = 0.2}}}, {});
   double x = 0.0;
-  const auto felt = [&](double moved, double z) {
+  const auto force_after = [&](double moved, double z) {
     x += moved;
     return step.step({x, 0, z}, 1e-3, on_floor({x, 0, z})).force_n;
   };
-  for (int n = 0; n < 50; ++n) EXPECT_EQ(felt(0.0, -0.002), Vec3(0, 0, 2)) << "pressed, at rest";
+  for (int n = 0; n < 50; ++n) EXPECT_EQ(force_after(0.0, -0.002), Vec3(0, 0, 2)) << "pressed, at rest";
   double loudest = 0.0;
-  for (int n = 0; n < 300; ++n) loudest = std::max(loudest, std::abs(felt(2e-4, -0.002).y()));
+  for (int n = 0; n < 300; ++n) loudest = std::max(loudest, std::abs(force_after(2e-4, -0.002).y()));
   EXPECT_GT(loudest, 0.05);
-  for (int n = 0; n < 60; ++n) felt(0.0, -0.002);
-  for (int n = 0; n < 50; ++n) EXPECT_EQ(felt(0.0, -0.002), Vec3(0, 0, 2)) << "at rest again";
-  for (int n = 0; n < 300; ++n) felt(2e-4, -0.002);
-  EXPECT_EQ(felt(2e-4, 0.001), Vec3::Zero()) << "at once";
+  for (int n = 0; n < 60; ++n) force_after(0.0, -0.002);
+  for (int n = 0; n < 50; ++n) EXPECT_EQ(force_after(0.0, -0.002), Vec3(0, 0, 2)) << "at rest again";
+  for (int n = 0; n < 300; ++n) force_after(2e-4, -0.002);
+  EXPECT_EQ(force_after(2e-4, 0.001), Vec3::Zero()) << "at once";
 }
 
 // Each contact begins with kHalfWidth samples of silence, also when it soon follows another one, and goes on with new noise.
 TEST(TextureVoice, EachContactBeginsSoftlyAndWithNewNoise) {
   EffectStep step({SurfaceEffects{.texture = {.models = made::texture(1000.0, 20, 18), .mass_kg = 0.2}}}, {});
   double x = 0.0;
-  const auto felt = [&](double z) {
+  const auto force_across = [&](double z) {
     x += 2e-4;
     return step.step({x, 0, z}, 1e-3, on_floor({x, 0, z})).force_n.y();
   };
   std::vector<std::vector<double>> contacts(3);
   for (auto& forces : contacts) {
-    for (int n = 0; n < 20; ++n) felt(0.001);
-    for (int n = 0; n < 200; ++n) forces.push_back(felt(-0.002));
+    for (int n = 0; n < 20; ++n) force_across(0.001);
+    for (int n = 0; n < 200; ++n) forces.push_back(force_across(-0.002));
     for (std::size_t n = 0; n < BandLimitedSignal::kHalfWidth; ++n) EXPECT_EQ(forces[n], 0.0) << n;
     EXPECT_NE(forces.back(), 0.0);
   }
-  double most = 0.0;
-  for (std::size_t n = 0; n < contacts[1].size(); ++n) most = std::max(most, std::abs(contacts[1][n] - contacts[2][n]));
-  EXPECT_GT(most, 0.02) << "not the same again";
+  double largest_difference_n = 0.0;
+  for (std::size_t n = 0; n < contacts[1].size(); ++n)
+    largest_difference_n = std::max(largest_difference_n, std::abs(contacts[1][n] - contacts[2][n]));
+  EXPECT_GT(largest_difference_n, 0.02) << "not the same again";
 }
 
 TEST(TextureVoice, RepeatsBitForBitAfterAReset) {
@@ -213,7 +214,7 @@ TEST(TextureVoice, GoesFromSurfaceToSurface) {
 
 // However fast speed and force change over the models, the signal is no louder than the models are. Here the speed changes every 30 ms, and
 // the force every 20 ms.
-TEST(TextureVoice, StaysOfItsSizeWhereModelsChangeFast) {
+TEST(TextureVoice, IsNoLouderThanItsModelsWhereTheyChangeFast) {
   const auto models = made::texture(1000.0, 20, 18);
   const RecordedTexture texture = {.models = models, .mass_kg = 1e-3, .max_force_n = 1e9};
   TextureVoice voice;

@@ -59,23 +59,25 @@ TEST(TiltedSpring, BoundsTheFormulaOnAnySurface) {
         const double sideways = 100.0;
         const double pressed = bending * spring * scale / 6.0;
         const double bound = largest_on_bumps(bumps, spring, sideways, pressed);
-        double most = 0.0;
+        double largest_sampled = 0.0;
         for (int n = 0; n < 20000; ++n) {
           const Vec3 p = scale * Vec3(unit(random), unit(random), unit(random));
           // Faces normal to z, on which the pattern is whole, and faces of any direction.
           const Vec3 normal = n % 2 == 0 ? Vec3(Vec3::UnitZ()) : Vec3(unit(random), unit(random), unit(random)).normalized();
-          const Mat3 along = Mat3::Identity() - normal * normal.transpose();
-          const Vec3 v = normal - along * bumps.gradient_at(p);
+          const Mat3 projection = Mat3::Identity() - normal * normal.transpose();
+          const Vec3 v = normal - projection * bumps.gradient_at(p);
           Mat3 curvature;
           const double h = 1e-4 * scale;
           for (int k = 0; k < 3; ++k) {
-            const Vec3 aside = h * Vec3::Unit(k);
-            curvature.col(k) = (bumps.gradient_at(p + aside) - bumps.gradient_at(p - aside)) / (2.0 * h);
+            const Vec3 offset = h * Vec3::Unit(k);
+            curvature.col(k) = (bumps.gradient_at(p + offset) - bumps.gradient_at(p - offset)) / (2.0 * h);
           }
-          most = std::max(most, largest_eigenvalue(spring * v * v.transpose() + pressed * along * curvature * along + sideways * along));
+          largest_sampled = std::max(
+              largest_sampled,
+              largest_eigenvalue(spring * v * v.transpose() + pressed * projection * curvature * projection + sideways * projection));
         }
-        EXPECT_GE(bound, (1.0 - 1e-6) * most) << "seed 11, bending " << bending << ", scale " << scale;
-        EXPECT_LE(bound, 1.2 * most) << "seed 11, bending " << bending << ", scale " << scale;
+        EXPECT_GE(bound, (1.0 - 1e-6) * largest_sampled) << "seed 11, bending " << bending << ", scale " << scale;
+        EXPECT_LE(bound, 1.2 * largest_sampled) << "seed 11, bending " << bending << ", scale " << scale;
       }
     }
   }

@@ -69,18 +69,18 @@ TEST(TissueLayers, TakeEnergyOverAnyPath) {
     TissueLayers::State state;
     double depth = 0.0;
     double before_n = 0.0;
-    double given_j = 0.0;
+    double energy_to_hand_j = 0.0;
     for (int leg = 0; leg < 20; ++leg) {
       const double target = leg == 19 ? 0.0 : 0.022 * unit(random);
       const double step = target > depth ? 1e-6 : -1e-6;
       while (std::abs(target - depth) > 1e-6) {
         depth += step;
         const double force_n = layers.force(depth, 1e3 * step, state);
-        given_j -= 0.5 * (before_n + force_n) * step;  // outwards
+        energy_to_hand_j -= 0.5 * (before_n + force_n) * step;  // outwards
         before_n = force_n;
       }
     }
-    EXPECT_LT(given_j, 1e-9) << "seed " << seed;
+    EXPECT_LT(energy_to_hand_j, 1e-9) << "seed " << seed;
   }
 }
 

@@ -21,16 +21,16 @@ TEST(ViscousEffect, TakesEnergyOverAClosedPath) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto path = paths::closed(seed, 1000, Vec3::Zero(), 0.04);
     SmoothVelocity velocity;
-    double given_j = 0.0;
+    double energy_to_hand_j = 0.0;
     Vec3 last = path[0];
     velocity.add(last, 1e-3);
     for (std::size_t i = 1; i <= path.size(); ++i) {
       const Vec3& p = path[i % path.size()];
       velocity.add(p, 1e-3);
-      given_j += honey.force({.p_SD = p, .v_SD = velocity.mean()}).dot(p - last);
+      energy_to_hand_j += honey.force({.p_SD = p, .v_SD = velocity.mean()}).dot(p - last);
       last = p;
     }
-    EXPECT_LT(given_j, 0.0) << "seed " << seed;
+    EXPECT_LT(energy_to_hand_j, 0.0) << "seed " << seed;
   }
 }
 

@@ -8,17 +8,17 @@ namespace hapton {
 namespace {
 
 TEST(Waveform, HasItsValuesAtTheQuarters) {
-  const double at[4] = {0.0, 0.25, 0.5, 0.75};
+  const double phase[4] = {0.0, 0.25, 0.5, 0.75};
   const double sine[4] = {0, 1, 0, -1};
   const double square[4] = {1, 1, -1, -1};
   const double triangle[4] = {0, 1, 0, -1};
   const double sawtooth[4] = {-1, -0.5, 0, 0.5};
   for (int k = 0; k < 4; ++k) {
-    for (const double whole : {0.0, 3.0, 1000.0}) {
-      EXPECT_NEAR(waveform_at(Waveform::sine, whole + at[k]), sine[k], 1e-12);
-      EXPECT_EQ(waveform_at(Waveform::square, whole + at[k]), square[k]);
-      EXPECT_EQ(waveform_at(Waveform::triangle, whole + at[k]), triangle[k]);
-      EXPECT_EQ(waveform_at(Waveform::sawtooth, whole + at[k]), sawtooth[k]);
+    for (const double cycles : {0.0, 3.0, 1000.0}) {
+      EXPECT_NEAR(waveform_at(Waveform::sine, cycles + phase[k]), sine[k], 1e-12);
+      EXPECT_EQ(waveform_at(Waveform::square, cycles + phase[k]), square[k]);
+      EXPECT_EQ(waveform_at(Waveform::triangle, cycles + phase[k]), triangle[k]);
+      EXPECT_EQ(waveform_at(Waveform::sawtooth, cycles + phase[k]), sawtooth[k]);
     }
   }
   EXPECT_NEAR(waveform_at(Waveform::triangle, 0.375), 0.5, 1e-12);
