@@ -62,16 +62,16 @@ TEST(CommandedMotion, ANewerMoveTakesOverWithoutAJump) {
 }
 
 // A picture may show a sample from a moment ago, before the newest move started.
-TEST(CommandedMotion, KnowsTheMovesBefore) {
+TEST(CommandedMotion, RemembersEarlierMoves) {
   CommandedMotion motion(Vec3::Zero());
-  std::vector<Pose> felt;
+  std::vector<Pose> expected;
   for (std::uint32_t serial = 1; serial < CommandedMotion::kMoves; ++serial) {
     const double start_s = 0.1 * serial;
     motion.begin(make_move(motion, serial, start_s, command_key(Vec3(0.01 * (serial % 3), 0, 0), 0.1 * serial), 0.3, 0.05, 0.25));
-    felt.push_back(motion.pose_at(start_s + 0.05));
+    expected.push_back(motion.pose_at(start_s + 0.05));
   }
-  for (std::size_t n = 0; n < felt.size(); ++n) {
-    EXPECT_EQ(motion.pose_at(0.1 * static_cast<double>(n + 1) + 0.05).matrix(), felt[n].matrix()) << n;
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    EXPECT_EQ(motion.pose_at(0.1 * static_cast<double>(n + 1) + 0.05).matrix(), expected[n].matrix()) << n;
   }
   EXPECT_EQ(motion.pose_at(0.05).matrix(), Pose::Identity().matrix()) << "at rest before the first";
 }
@@ -103,46 +103,46 @@ TEST(CommandedMotion, OfTwoMovesAtOneTimeTheNewerCounts) {
   motion.begin(make_move(motion, 1, 0.0, command_key(Vec3(1, 0, 0), 0.0), 10.0, 0.0, 1.0));
   motion.begin(make_move(motion, 2, 5.0, command_key(Vec3(-9, 0, 0), 0.0), 10.0, 0.0, 1.0));
   motion.begin(make_move(motion, 3, 5.0, command_key(Vec3(0.5, 2, 0), 0.0), 10.0, 0.0, 1.0));
-  EXPECT_EQ(motion.pose_at(5.0).translation(), Vec3(0.5, 0, 0)) << "on the first one's way";
+  EXPECT_EQ(motion.pose_at(5.0).translation(), Vec3(0.5, 0, 0)) << "on the path of the first move";
   EXPECT_LT((motion.pose_at(10.0).translation() - Vec3(0.5, 1, 0)).norm(), 1e-15);
 }
 
 // The least time allows for the translation plus the rotation of the farthest point.
 TEST(CommandedMove, TakesTheTimeRequestedOrTheLeastAllowed) {
   const CommandedMotion motion(kCommandPivot);
-  constexpr double kFarthest = 0.05;
-  constexpr double kMax = 0.25;
+  constexpr double kFarthestM = 0.05;
+  constexpr double kMaxMPerS = 0.25;
   const Keyframe to = command_key(kCommandPivot + Vec3(0.0, 0.03, 0.04), 1.2);
-  const double least = (0.05 + 1.2 * kFarthest) / kMax;
-  const auto seconds = [&](double requested) {
-    const CommandedMove move = make_move(motion, 1, 3.0, to, requested, kFarthest, kMax);
+  const double least_s = (0.05 + 1.2 * kFarthestM) / kMaxMPerS;
+  const auto duration_s = [&](double requested_s) {
+    const CommandedMove move = make_move(motion, 1, 3.0, to, requested_s, kFarthestM, kMaxMPerS);
     EXPECT_EQ(move.from.time_s, 3.0);
     return move.to.time_s - 3.0;
   };
-  EXPECT_NEAR(seconds(0.0), least, 1e-12);
-  EXPECT_NEAR(seconds(0.5 * least), least, 1e-12);
-  EXPECT_NEAR(seconds(2.0 * least), 2.0 * least, 1e-12);
+  EXPECT_NEAR(duration_s(0.0), least_s, 1e-12);
+  EXPECT_NEAR(duration_s(0.5 * least_s), least_s, 1e-12);
+  EXPECT_NEAR(duration_s(2.0 * least_s), 2.0 * least_s, 1e-12);
 }
 
 // No point of the body is faster than allowed, whichever moves take over and whenever.
 TEST(CommandedMove, NoPointIsFasterThanAllowed) {
-  constexpr double kFarthest = 0.05;
-  constexpr double kMax = 0.25;
+  constexpr double kFarthestM = 0.05;
+  constexpr double kMaxMPerS = 0.25;
   CommandedMotion motion(kCommandPivot);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
-  const Vec3 far_point = kCommandPivot + kFarthest * Vec3(1, 1, 0.3).normalized();
+  const Vec3 far_point = kCommandPivot + kFarthestM * Vec3(1, 1, 0.3).normalized();
   double fastest = 0.0;
   for (std::uint32_t step = 1; step <= 20'000; ++step) {
     const double time_s = 1e-3 * step;
     if (step % 37 == 0) {
       const Keyframe to = command_key(0.3 * Vec3(number(random), number(random), number(random)), 3.0 * number(random));
-      motion.begin(make_move(motion, step, time_s, to, 0.01, kFarthest, kMax));
+      motion.begin(make_move(motion, step, time_s, to, 0.01, kFarthestM, kMaxMPerS));
     }
     fastest = std::max(fastest, 1e3 * (motion.pose_at(time_s + 1e-3) * far_point - motion.pose_at(time_s) * far_point).norm());
   }
-  EXPECT_LE(fastest, kMax * (1.0 + 1e-9));
-  EXPECT_GT(fastest, 0.5 * kMax) << "the test moves it";
+  EXPECT_LE(fastest, kMaxMPerS * (1.0 + 1e-9));
+  EXPECT_GT(fastest, 0.5 * kMaxMPerS) << "the test moves it";
 }
 
 TEST(CommandedMotion, TakesNoHeap) {

@@ -10,7 +10,7 @@ namespace {
 const Vec3 kProxy(0.01, 0.02, 0.05);
 const Vec3 kOutward(0, 0, 0.002);
 
-TEST(LeftContact, ADeviceBelowTheProxyIsStillIn) {
+TEST(LeftContact, ADeviceBelowTheProxyIsStillInContact) {
   EXPECT_FALSE(has_left_contact(kProxy, kOutward, kProxy - kOutward));
   EXPECT_FALSE(has_left_contact(kProxy, kOutward, kProxy + Vec3(0.01, 0, -1e-9)));
   EXPECT_FALSE(has_left_contact(kProxy, 1e-12 * kOutward, kProxy + Vec3(0, 0, -0.01)));
@@ -24,7 +24,7 @@ TEST(LeftContact, ADeviceOnThePlaneOrBeyondHasLeft) {
 
 TEST(LeftContact, WithoutADirectionNothingIsKnown) { EXPECT_FALSE(has_left_contact(kProxy, Vec3::Zero(), kProxy + Vec3(0, 0, 0.005))); }
 
-TEST(LeftContact, AnInvalidPlaceHasLeft) {
+TEST(LeftContact, ADeviceAtAnInvalidPositionHasLeft) {
   EXPECT_TRUE(has_left_contact(kProxy, kOutward, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
 }
 

@@ -24,16 +24,16 @@ TEST(FindZero, ALineTakesOneEvaluation) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST(FindZero, BeginsAtOrBelowZeroIsAtTheStart) {
-  const auto never = [](double) -> double {
-    ADD_FAILURE() << "is looked at";
+TEST(FindZero, AFunctionThatStartsAtOrBelowZeroHasItsZeroThere) {
+  const auto must_not_be_called = [](double) -> double {
+    ADD_FAILURE() << "the function is evaluated";
     return 0.0;
   };
-  EXPECT_EQ(find_zero(0.25, 0.0, 1.0, -1.0, 0.0, never), 0.25);
-  EXPECT_EQ(find_zero(0.25, -1.0, 1.0, -1.0, 0.0, never), 0.25);
+  EXPECT_EQ(find_zero(0.25, 0.0, 1.0, -1.0, 0.0, must_not_be_called), 0.25);
+  EXPECT_EQ(find_zero(0.25, -1.0, 1.0, -1.0, 0.0, must_not_be_called), 0.25);
 }
 
-TEST(FindZero, EndsWhereTheFunctionIsNotKnownAndAfterItsRounds) {
+TEST(FindZero, EndsWhereTheFunctionIsNotANumberAndAtItsLimitOfEvaluations) {
   int calls = 0;
   find_zero(0.0, 1.0, 1.0, -1.0, 0.0, [&](double) {
     ++calls;

@@ -16,9 +16,10 @@ const Vec3 kPivot(0.1, 0.2, 0.3);
 
 // A quarter of a turn about the pivot in two seconds, then a second of rest, then 30 mm along x in three seconds.
 KeyframeMotion quarter_and_shift(bool loops = false) {
-  const Vec3 there = kPivot + Vec3(0.03, 0.0, 0.0);
-  return {
-      kPivot, {{0.0, kPivot, Quat::Identity()}, {2.0, kPivot, about_z(90)}, {3.0, kPivot, about_z(90)}, {6.0, there, about_z(90)}}, loops};
+  const Vec3 shifted = kPivot + Vec3(0.03, 0.0, 0.0);
+  return {kPivot,
+          {{0.0, kPivot, Quat::Identity()}, {2.0, kPivot, about_z(90)}, {3.0, kPivot, about_z(90)}, {6.0, shifted, about_z(90)}},
+          loops};
 }
 
 TEST(KeyframeMotion, TurnsEvenlyAboutItsPivot) {

@@ -36,15 +36,15 @@ void expect_exact(const std::array<Vec3, 4>& p) {
   }
 }
 
-class Points {
+class RandomPoints {
  public:
-  explicit Points(std::uint64_t seed) : random_(seed) {}
+  explicit RandomPoints(std::uint64_t seed) : random_(seed) {}
   double real(double scale) { return std::uniform_real_distribution<double>(-scale, scale)(random_); }
   Vec3 point(double scale) { return {real(scale), real(scale), real(scale)}; }
   // Whole numbers: sums and small multiples of them are exact.
-  Vec3 whole(int bits) {
-    std::uniform_int_distribution<std::int64_t> any(-(std::int64_t{1} << bits), std::int64_t{1} << bits);
-    return {static_cast<double>(any(random_)), static_cast<double>(any(random_)), static_cast<double>(any(random_))};
+  Vec3 integers(int bits) {
+    std::uniform_int_distribution<std::int64_t> integer(-(std::int64_t{1} << bits), std::int64_t{1} << bits);
+    return {static_cast<double>(integer(random_)), static_cast<double>(integer(random_)), static_cast<double>(integer(random_))};
   }
   int pick(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
 
@@ -59,7 +59,7 @@ TEST(Orient3d, SignIsTheSide) {
 }
 
 TEST(Orient3d, IsExactForRandomPoints) {
-  Points points(1);
+  RandomPoints points(1);
   for (int i = 0; i < 2000; ++i) {
     const double scale = std::ldexp(1.0, points.pick(120) - 60);
     expect_exact({points.point(scale), points.point(scale), points.point(scale), points.point(scale)});
@@ -67,12 +67,12 @@ TEST(Orient3d, IsExactForRandomPoints) {
 }
 
 TEST(Orient3d, IsZeroExactlyForCoplanarPoints) {
-  Points points(2);
+  RandomPoints points(2);
   for (int i = 0; i < 1000; ++i) {
     const double scale = std::ldexp(1.0, points.pick(60) - 50);
-    const Vec3 a = points.whole(45) * scale;
-    const Vec3 u = points.whole(45) * scale;
-    const Vec3 v = points.whole(45) * scale;
+    const Vec3 a = points.integers(45) * scale;
+    const Vec3 u = points.integers(45) * scale;
+    const Vec3 v = points.integers(45) * scale;
     const double s = points.pick(7) - 3;
     const double t = points.pick(7) - 3;
     const std::array<Vec3, 4> p = {a, a + u, a + v, a + s * u + t * v};
@@ -84,7 +84,7 @@ TEST(Orient3d, IsZeroExactlyForCoplanarPoints) {
 
 // A point one unit in the last place off a plane: there, the sign from plain double arithmetic is noise.
 TEST(Orient3d, SeesOneUnitInTheLastPlace) {
-  Points points(3);
+  RandomPoints points(3);
   int wrong_in_doubles = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 a = points.point(1.0);
@@ -102,7 +102,7 @@ TEST(Orient3d, SeesOneUnitInTheLastPlace) {
 }
 
 TEST(Orient3d, IsExactWhereMagnitudesDiffer) {
-  Points points(4);
+  RandomPoints points(4);
   for (int i = 0; i < 2000; ++i) {
     std::array<Vec3, 4> p;
     for (Vec3& q : p) {
@@ -114,7 +114,7 @@ TEST(Orient3d, IsExactWhereMagnitudesDiffer) {
 }
 
 TEST(Orient3d, IsAntisymmetric) {
-  Points points(5);
+  RandomPoints points(5);
   for (int i = 0; i < 1000; ++i) {
     const Vec3 a = points.point(1.0);
     const Vec3 b = a + points.point(1e-8);

@@ -30,7 +30,7 @@ TEST(Quadratic, RisesWhereAScanOfItDoes) {
     const double expected = scan_for_rise(a, b, c);
     const double found = time_of_rise(a, b, c);
     if (expected == kNever) {
-      EXPECT_GT(found, 39.0) << a << ' ' << b << ' ' << c;
+      EXPECT_GT(found, 39.0) << a << ' ' << b << ' ' << c;  // the scan ends at 40
       continue;
     }
     ++risen;

@@ -23,7 +23,7 @@ TEST(SideSign, IsTheExactSignWhereThereIsOne) {
 }
 
 // On a lattice nearly every point lies in the plane of some others.
-TEST(SideSign, IsNeverZeroAndTurnsWithTheTriangle) {
+TEST(SideSign, IsNeverZeroAndChangesSignWithTheTriangle) {
   std::mt19937_64 random(12);
   const auto draw = [&] {
     const auto step = [&] { return static_cast<double>(random() % 3) - 1.0; };
