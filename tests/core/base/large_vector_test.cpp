@@ -38,7 +38,7 @@ TEST(LargeVector, BeginsAtALargePageOnceItHasTwo) {
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(small.data()) % alignof(Line), 0U);
 }
 
-TEST(LargeVector, SaysThatItCannotHoldMoreThanThereIs) {
+TEST(LargeVector, ThrowsIfMoreIsReservedThanThereIs) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer ends the program where there is not enough memory";
 #endif
@@ -57,8 +57,8 @@ TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
     unsigned long begin = 0;
     unsigned long end = 0;
     if (std::sscanf(line.c_str(), "%lx-%lx ", &begin, &end) == 2) {
-      const auto at = reinterpret_cast<std::uintptr_t>(large.data());
-      is_inside = begin <= at && at < end;
+      const auto address = reinterpret_cast<std::uintptr_t>(large.data());
+      is_inside = begin <= address && address < end;
     } else if (is_inside && line.starts_with("VmFlags:")) {
       flags = line;
     }
@@ -71,7 +71,7 @@ TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
 // Whether the system accepts this advice.
 bool takes_advice(void* memory, std::size_t bytes, int advice) { return ::madvise(memory, bytes, advice) == 0; }
 
-// The memory is filled before it is handed out: of its large pages no part is missing.
+// The memory is filled before it is returned: each of its pages is resident.
 TEST(LargeVector, IsFilledBeforeItIsReturned) {
   constexpr std::size_t kBytes = 8 * kLargePage;
   void* const probe = ::mmap(nullptr, 2 * kLargePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -81,9 +81,9 @@ TEST(LargeVector, IsFilledBeforeItIsReturned) {
   if (!is_possible) GTEST_SKIP() << "this system has no large pages for programs";
   void* const memory = allocate_large(kBytes, 8);
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  std::vector<unsigned char> is_there(kBytes / page);
-  ASSERT_EQ(::mincore(memory, kBytes, is_there.data()), 0);
-  EXPECT_EQ(std::count_if(is_there.begin(), is_there.end(), [](unsigned char one) { return (one & 1U) == 0; }), 0);
+  std::vector<unsigned char> residency(kBytes / page);
+  ASSERT_EQ(::mincore(memory, kBytes, residency.data()), 0);
+  EXPECT_EQ(std::count_if(residency.begin(), residency.end(), [](unsigned char one) { return (one & 1U) == 0; }), 0);
   free_large(memory, kBytes, 8);
 }
 #endif

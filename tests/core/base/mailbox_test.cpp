@@ -45,19 +45,19 @@ TEST(MailboxTest, EachSideHasItsOwnSlot) {
   Mailbox<int> mailbox(0);
   std::uint32_t state = 12345;
   int published = 0;
-  int taken = 0;
+  int last_taken = 0;
   for (int n = 0; n < 1000; ++n) {
     state = state * 1664525U + 1013904223U;
     const bool writes = (state >> 24) % 3 != 0;
     if (writes) {
-      const int held = mailbox.value();
+      const int readers_value = mailbox.value();
       mailbox.draft() = -1;
-      EXPECT_EQ(mailbox.value(), held);
+      EXPECT_EQ(mailbox.value(), readers_value);
       mailbox.publish(++published);
-      EXPECT_EQ(mailbox.value(), held);
+      EXPECT_EQ(mailbox.value(), readers_value);
     } else {
-      EXPECT_EQ(mailbox.take(), published != taken);
-      taken = published;
+      EXPECT_EQ(mailbox.take(), published != last_taken);
+      last_taken = published;
       EXPECT_EQ(mailbox.value(), published);
     }
   }
@@ -79,11 +79,11 @@ TEST(MailboxTest, TheReadersValueStaysWhileTheWriterGoesOn) {
   Mailbox<int> mailbox;
   mailbox.publish(1);
   ASSERT_TRUE(mailbox.take());
-  const int& held = mailbox.value();
+  const int& readers_value = mailbox.value();
   for (int i = 2; i < 10; ++i) {
     mailbox.draft() = i;
     mailbox.publish_draft();
-    EXPECT_EQ(held, 1);
+    EXPECT_EQ(readers_value, 1);
   }
   EXPECT_TRUE(mailbox.take());
   EXPECT_EQ(mailbox.value(), 9);
@@ -101,21 +101,21 @@ TEST(MailboxTest, TwoThreadsNeverSeeHalfAValueNorAnOlderOne) {
     }
   });
   std::uint64_t newest = 0;
-  std::uint64_t torn = 0;
-  std::uint64_t backwards = 0;
+  std::uint64_t torn_count = 0;
+  std::uint64_t older_count = 0;
   while (newest < kLast) {
     if (!mailbox.take()) {
       std::this_thread::yield();
       continue;
     }
     const Large& value = mailbox.value();
-    torn += std::all_of(value.begin(), value.end(), [&](std::uint64_t x) { return x == value[0]; }) ? 0 : 1;
-    backwards += value[0] <= newest ? 1 : 0;
+    torn_count += std::all_of(value.begin(), value.end(), [&](std::uint64_t x) { return x == value[0]; }) ? 0 : 1;
+    older_count += value[0] <= newest ? 1 : 0;
     newest = value[0];
   }
   writer.join();
-  EXPECT_EQ(torn, 0U);
-  EXPECT_EQ(backwards, 0U);
+  EXPECT_EQ(torn_count, 0U);
+  EXPECT_EQ(older_count, 0U);
 }
 
 }  // namespace
