@@ -19,7 +19,7 @@ Box random_box(double largest, std::mt19937_64& random) {
   return {low, low + Vec3(size(random), size(random), size(random))};
 }
 
-std::vector<Box> random_boxes(std::size_t count, double largest, std::mt19937_64& random) {
+std::vector<Box> random_bounds(std::size_t count, double largest, std::mt19937_64& random) {
   std::vector<Box> boxes;
   while (boxes.size() < count) boxes.push_back(random_box(largest, random));
   return boxes;
@@ -53,14 +53,14 @@ TEST(ObjectHierarchy, FindsWhatALoopOverAllObjectsFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kHierarchySeed);
   std::mt19937_64 random(kHierarchySeed);
   for (const std::size_t count : {0U, 1U, 2U, 8U, 9U, 70U, 1000U}) {
-    const std::vector<Box> boxes = random_boxes(count, 0.2, random);
+    const std::vector<Box> boxes = random_bounds(count, 0.2, random);
     expect_same_as_brute_force(ObjectHierarchy(boxes), boxes, random);
   }
 }
 
 TEST(ObjectHierarchy, ObjectsWithoutBoundsAreNeverFound) {
   std::mt19937_64 random(kHierarchySeed);
-  std::vector<Box> boxes = random_boxes(50, 0.2, random);
+  std::vector<Box> boxes = random_bounds(50, 0.2, random);
   for (std::size_t i = 0; i < boxes.size(); i += 3) boxes[i] = Box();
   expect_same_as_brute_force(ObjectHierarchy(boxes), boxes, random);
   const std::vector<Box> none(20);
@@ -71,7 +71,7 @@ TEST(ObjectHierarchy, ARefitIsAsGoodAsANewHierarchy) {
   SCOPED_TRACE(testing::Message() << "seed " << kHierarchySeed);
   std::mt19937_64 random(kHierarchySeed);
   for (const std::size_t count : {1U, 9U, 300U}) {
-    std::vector<Box> boxes = random_boxes(count, 0.1, random);
+    std::vector<Box> boxes = random_bounds(count, 0.1, random);
     ObjectHierarchy hierarchy(boxes);
     std::uniform_int_distribution<std::uint32_t> any_object(0, static_cast<std::uint32_t>(count) - 1);
     for (int round = 0; round < 20; ++round) {
@@ -97,7 +97,7 @@ TEST(ObjectHierarchy, AVisitMayEndTheSearch) {
 TEST(ObjectHierarchy, QueriesAndRefitsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::mt19937_64 random(kHierarchySeed);
-  const std::vector<Box> boxes = random_boxes(500, 0.1, random);
+  const std::vector<Box> boxes = random_bounds(500, 0.1, random);
   ObjectHierarchy hierarchy(boxes);
   const AllocationGuard guard;
   for (std::uint32_t o = 0; o < 500; ++o) hierarchy.refit(o, boxes[499 - o]);

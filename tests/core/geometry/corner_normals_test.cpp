@@ -14,12 +14,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
 ShadedMesh shade(const TriangleMesh& mesh, double crease_deg, CornerNormalReport& report) {
   std::vector<std::uint32_t> source(mesh.triangles.size());
   std::iota(source.begin(), source.end(), 0U);
-  return fill_corner_normals(mesh, source, crease_deg * kDegree, report);
+  return fill_corner_normals(mesh, source, crease_deg * kRadPerDegree, report);
 }
 
 TEST(CornerNormals, OfASphereAreRadialAndShared) {
