@@ -12,12 +12,12 @@ TriangleMesh one_triangle(const Vec3& a, const Vec3& b, const Vec3& c) { return 
 constexpr int kMotionSamples = 20000;
 
 // The smallest distance, and the first time at which it is `level` or less, among samples of the motion.
-struct SampledMotion {
+struct SampledDistances {
   double first_time = kNever;
   double least_distance = std::numeric_limits<double>::infinity();
 };
-SampledMotion sample_motion(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, double level) {
-  SampledMotion sampled;
+SampledDistances sample_distances(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, double level) {
+  SampledDistances sampled;
   for (int i = 0; i <= kMotionSamples; ++i) {
     const double t = static_cast<double>(i) / kMotionSamples;
     const double d = geometry.separation(0, p + t * motion).distance;
@@ -45,7 +45,7 @@ TEST_P(SweptSphere, BlocksWhereSamplesOfTheMotionDo) {
     const Vec3 motion = 1.5 * (aim + 0.2 * point() - p);
     if (geometry.separation(0, p).distance <= clearance.offset) continue;
     const double t = time_to_block(TriangleView{geometry, 0}, p, motion, 1.0, clearance);
-    const SampledMotion sampled = sample_motion(geometry, p, motion, clearance.offset);
+    const SampledDistances sampled = sample_distances(geometry, p, motion, clearance.offset);
     const double sample_spacing = motion.norm() / kMotionSamples;
     if (sampled.least_distance < clearance.offset - clearance.slop) {
       EXPECT_LE(t, 1.0) << "case " << i << " went through";
@@ -119,7 +119,7 @@ TEST(ComesNearer, AgreesWithSamplesOfTheMotion) {
     const Vec3 p = point();
     const Vec3 motion = point();
     const double end_distance = std::min(geometry.separation(0, p).distance, geometry.separation(0, p + motion).distance);
-    const SampledMotion sampled = sample_motion(geometry, p, motion, 0.0);
+    const SampledDistances sampled = sample_distances(geometry, p, motion, 0.0);
     for (const double level : {end_distance, 0.5 * (end_distance + sampled.least_distance), 0.999 * sampled.least_distance}) {
       constexpr double kTolerance = 1e-9;
       const bool found = comes_nearer(TriangleView{geometry, 0}, p, motion, 0.0, 1.0, level, kTolerance);
