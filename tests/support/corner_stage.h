@@ -13,26 +13,28 @@
 
 namespace hapton {
 
-// A small sphere in the lower corner of a box, or of other walls, held by all three walls. `others` are further meshes. Local units.
+// A small sphere in the lower corner of a box, or of other walls, with all three walls as active constraints. `others` are further meshes.
+// Local units.
 struct CornerStage {
   static constexpr Clearance kClearance{1e-5, 0x1p-40, 0x1p-46};
 
-  // gathered: radius of the ball within which triangles are gathered. walls: three walls that meet at the origin.
-  explicit CornerStage(double gathered, std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room()) : box(std::move(walls)) {
+  // gather_radius: of the ball within which triangles are gathered. walls: three walls that meet at the origin.
+  explicit CornerStage(double gather_radius, std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room())
+      : box(std::move(walls)) {
     others.insert(others.begin(), &box);
     geometry = std::make_unique<TouchGeometry>(others);
     materials.resize(others.size());
     near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearance, 64.0 * kClearance.offset);
     apex = geometry->to_local(Vec3::Zero());
     centre = apex + kClearance.offset * Vec3::Ones();
-    near->widen(gathered);
+    near->widen(gather_radius);
     EXPECT_TRUE(near->gather(centre, Vec3::Zero(), work));
     for (const Vec3& normal : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) add_wall(normal);
     EXPECT_EQ(contacts.count(), 3);
     contacts.activate_all();
   }
 
-  // Its sides have different lengths, so the diagonals that divide its faces into triangles miss the contacts of the sphere.
+  // A box whose sides have different lengths, so that the diagonals of its faces miss the contacts of the sphere.
   static TriangleMesh room() { return made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8)); }
   // Three triangles that go through one another: at the point where all three meet, none has an edge or a vertex.
   static TriangleMesh crossing_walls() {
@@ -60,9 +62,9 @@ struct CornerStage {
     bool is_added = false;
     near->visit_near(centre, centre, 1.5 * kClearance.offset, [&](int slot) {
       const OffsetContact contact = OffsetContact::nearest(near->triangle(slot), near->shape(slot), centre);
-      const bool is_it = contact.part == Feature::face && contact.normal.dot(normal) > 0.9;
-      if (is_it && !is_added) contacts.add(contact);
-      is_added = is_added || is_it;
+      const bool is_wall = contact.part == Feature::face && contact.normal.dot(normal) > 0.9;
+      if (is_wall && !is_added) contacts.add(contact);
+      is_added = is_added || is_wall;
     });
   }
 };

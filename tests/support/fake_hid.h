@@ -18,7 +18,7 @@ namespace hapton {
 class FakeHid {
  public:
   using Bytes = std::vector<std::uint8_t>;
-  static constexpr std::size_t kKept = 64;
+  static constexpr std::size_t kQueueCapacity = 64;
 
   explicit FakeHid(HidDescription description = {}) : shared_(std::make_shared<Shared>()) { shared_->description = std::move(description); }
 
@@ -43,12 +43,12 @@ class FakeHid {
   }
   // False: the queue is full, the report is lost.
   bool send(const Bytes& report) {
-    bool is_kept = false;
+    bool is_queued = false;
     change([&](Shared& shared) {
-      is_kept = shared.reports.size() < kKept;
-      if (is_kept) shared.reports.push_back(report);
+      is_queued = shared.reports.size() < kQueueCapacity;
+      if (is_queued) shared.reports.push_back(report);
     });
-    return is_kept;
+    return is_queued;
   }
   void set_feature(std::uint8_t id, const Bytes& report) {
     change([&](Shared& shared) { shared.features[id] = report; });
@@ -95,7 +95,7 @@ class FakeHid {
     std::condition_variable changed;
     HidDescription description;
     bool is_plugged = true;
-    int plugging = 0;
+    int plugging = 0;  // how often it was plugged in again: a transport of an earlier plugging stays gone
     int openings = 0;
     bool blocks_writes = false;
     bool refuses_writes = false;

@@ -20,17 +20,17 @@ namespace hapton {
 class MotorObserver {
  public:
   struct Release {
-    bool was_out = false;          // a force was on the motors just before the event
+    bool was_out = false;          // there was a force on the motors just before the event
     double after_event_ms = -1.0;  // from the event until the motors had no force; below 0: they never had none
     double after_sample_ms = -1.0;
-    double blind_ms = 0.0;  // the longest time between two looks of this observer: the true times may be longer by this
+    double blind_ms = 0.0;  // the longest time between two readings of this observer: the true times may be longer by this
   };
   struct Watched {
     double oldest_force_ms = 0.0;  // the largest age of a force on the motors, counted from its sample
     double longest_same_ms = 0.0;  // the longest time for which the force did not change, not even in its last bit
     double strongest_n = 0.0;
-    double force_share = 0.0;  // share of this observer's looks that found a force
-    double blind_ms = 0.0;
+    double force_share = 0.0;  // share of this observer's readings with a force on the motors
+    double blind_ms = 0.0;     // as in Release
   };
 
   // False: the process has no heartbeat memory (it has no watchdog, or its device is not simulated).
@@ -62,26 +62,26 @@ class MotorObserver {
     return false;
   }
 
-  // Calls `event`, then looks until the motors have no force, for `at_most_s` at most.
+  // Calls `event`, then reads the force until the motors have none, for `at_most_s` at most.
   Release release_after(const std::function<void()>& event, double at_most_s = 0.5) {
     Release release;
     release.was_out = force_n() > 0.0;
     std::int64_t sample_ns = page().force_sample_ns.load();
     event();
     const std::int64_t begin_ns = clock_.now_ns();
-    std::int64_t looked_ns = begin_ns;
-    while (looked_ns - begin_ns < static_cast<std::int64_t>(1e9 * at_most_s)) {
+    std::int64_t read_ns = begin_ns;
+    while (read_ns - begin_ns < static_cast<std::int64_t>(1e9 * at_most_s)) {
       if (const std::int64_t newest_ns = page().force_sample_ns.load(); newest_ns != 0) sample_ns = newest_ns;
       const bool is_off = force_n() == 0.0;
       const std::int64_t now_ns = clock_.now_ns();
-      release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
+      release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - read_ns));
       if (is_off) {
-        // Until the previous look, at looked_ns, the force was certainly still on the motors.
-        release.after_event_ms = 1e-6 * static_cast<double>(looked_ns - begin_ns);
-        release.after_sample_ms = 1e-6 * static_cast<double>(looked_ns - sample_ns);
+        // At the previous reading, at read_ns, the force was certainly still on the motors.
+        release.after_event_ms = 1e-6 * static_cast<double>(read_ns - begin_ns);
+        release.after_sample_ms = 1e-6 * static_cast<double>(read_ns - sample_ns);
         break;
       }
-      looked_ns = now_ns;
+      read_ns = now_ns;
       clock_.sleep_until_ns(now_ns + 100'000);
     }
     return release;
@@ -91,19 +91,19 @@ class MotorObserver {
     Watched watched;
     const std::int64_t begin_ns = clock_.now_ns();
     const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
-    std::int64_t looked_ns = begin_ns;
+    std::int64_t read_ns = begin_ns;
     std::int64_t same_since_ns = begin_ns;
     double last_n = 0.0;
-    std::uint64_t looks = 0;
+    std::uint64_t readings = 0;
     std::uint64_t forces = 0;
-    while (looked_ns < end_ns) {
+    while (read_ns < end_ns) {
       // The time is read first: if this thread is displaced before it reads the rest, a force seems younger than it is, never older.
       const std::int64_t now_ns = clock_.now_ns();
       const std::int64_t sample_ns = page().force_sample_ns.load();
       const double now_n = force_n();
-      watched.blind_ms = std::max(watched.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
-      looked_ns = now_ns;
-      ++looks;
+      watched.blind_ms = std::max(watched.blind_ms, 1e-6 * static_cast<double>(now_ns - read_ns));
+      read_ns = now_ns;
+      ++readings;
       if (now_n != last_n) same_since_ns = now_ns;
       last_n = now_n;
       if (now_n > 0.0 && sample_ns != 0) {
@@ -114,7 +114,7 @@ class MotorObserver {
       }
       clock_.sleep_until_ns(now_ns + 100'000);
     }
-    watched.force_share = looks > 0 ? static_cast<double>(forces) / static_cast<double>(looks) : 0.0;
+    watched.force_share = readings > 0 ? static_cast<double>(forces) / static_cast<double>(readings) : 0.0;
     return watched;
   }
 

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// How many files, sockets and timers the process has open. Nodes run for days: whatever is opened again and again must be closed again.
+// How many files, sockets and timers the process has open. Nodes run for days: what they open repeatedly they must also close.
 inline std::size_t count_open_files() {
   return static_cast<std::size_t>(
       std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator()));

@@ -19,22 +19,22 @@ struct OptionRange {
   double (*value)(const Options&);
 };
 
-// parse: turns a vector of words into std::variant<Options, int> (an exit code). needed: other words that the command requires.
+// parse: turns a vector of words into std::variant<Options, int> (an exit code). required: other words that the command needs.
 template <class Options, class Parse>
-void expect_range(const OptionRange<Options>& range, const Parse& parse, const std::vector<const char*>& needed = {}) {
-  const auto given = [&](const char* number) {
-    std::vector<const char*> words = needed;
+void expect_range(const OptionRange<Options>& range, const Parse& parse, const std::vector<const char*>& required = {}) {
+  const auto parse_with = [&](const char* number) {
+    std::vector<const char*> words = required;
     words.insert(words.end(), {range.flag, number});
     return parse(words);
   };
   SCOPED_TRACE(range.flag);
   for (const char* number : {range.least, range.most}) {
-    const auto parsed = given(number);
+    const auto parsed = parse_with(number);
     ASSERT_TRUE(std::holds_alternative<Options>(parsed)) << number;
     EXPECT_DOUBLE_EQ(range.value(std::get<Options>(parsed)), std::stod(number));
   }
   for (const char* number : {range.below, range.beyond, "nan", "much"}) {
-    const auto parsed = given(number);
+    const auto parsed = parse_with(number);
     ASSERT_TRUE(std::holds_alternative<int>(parsed)) << number;
     EXPECT_NE(std::get<int>(parsed), 0) << number;
   }

@@ -27,7 +27,7 @@ class ScratchFolder {
   const std::filesystem::path& path() const { return path_; }
 
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    // Some file systems flush a file to the disk that is truncated and written again; they do not flush a new file.
+    // Some file systems flush a file to disk when it is truncated and rewritten, but not when it is new.
     std::error_code ignored;
     std::filesystem::remove(path_ / name, ignored);
     std::ofstream(path_ / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

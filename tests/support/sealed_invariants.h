@@ -32,14 +32,15 @@ inline bool has_area(const TriangleMesh& mesh, std::size_t t) {
   return normal_of(mesh, t).norm() > 1e-14 * longest;
 }
 
-inline std::size_t count_same_vertices(const TriangleMesh& mesh) {
+// Triangles with the same three vertices as an earlier one.
+inline std::size_t count_duplicate_triangles(const TriangleMesh& mesh) {
   std::set<Triangle> seen;
-  std::size_t same = 0;
+  std::size_t duplicates = 0;
   for (Triangle t : mesh.triangles) {
     std::sort(t.begin(), t.end());
-    same += seen.insert(t).second ? 0 : 1;
+    duplicates += seen.insert(t).second ? 0 : 1;
   }
-  return same;
+  return duplicates;
 }
 
 // Leaves out triangles that use a vertex twice: their edges do not count.
@@ -53,7 +54,7 @@ struct Sealed {
   SealReport report;
 };
 
-// Seals `given` and checks what seal_cracks.h promises about the result.
+// Seals the mesh `given` and checks what seal_cracks.h promises about the result.
 inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, double share = kSealedShare) {
   SCOPED_TRACE(what);
   Sealed sealed;
@@ -75,15 +76,15 @@ inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, d
   EXPECT_EQ(mesh.has_authored_normals(), given.has_authored_normals());
 
   const auto is_less = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); };
-  const std::set<Vec3, decltype(is_less)> came(given.vertices.begin(), given.vertices.end(), is_less);
-  for (const Vec3& vertex : mesh.vertices) EXPECT_TRUE(came.contains(vertex));
+  const std::set<Vec3, decltype(is_less)> given_vertices(given.vertices.begin(), given.vertices.end(), is_less);
+  for (const Vec3& vertex : mesh.vertices) EXPECT_TRUE(given_vertices.contains(vertex));
 
-  std::vector<std::uint32_t> parts(given.triangles.size(), 0);
-  for (const std::uint32_t s : source) ++parts[s];
+  std::vector<std::uint32_t> part_counts(given.triangles.size(), 0);  // into how many parts each triangle is split
+  for (const std::uint32_t s : source) ++part_counts[s];
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t s = source[t];
     for (int k = 0; k < 3; ++k) {
-      if (parts[s] == 1) {
+      if (part_counts[s] == 1) {
         EXPECT_LE((mesh.corner(t, k) - given.corner(s, k)).norm(), tolerance) << t;
       } else {
         // A triangle is split at a vertex near its edge, and the ends of this edge may have moved as well: twice the tolerance.
@@ -102,7 +103,7 @@ inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, d
   EXPECT_EQ(after.boundary, report.boundary_edges_left);
   EXPECT_LE(after.boundary, before.boundary);
   EXPECT_LE(after.non_manifold, before.non_manifold);
-  EXPECT_LE(count_same_vertices(mesh), count_same_vertices(given));
+  EXPECT_LE(count_duplicate_triangles(mesh), count_duplicate_triangles(given));
   EXPECT_LE(compute_mesh_topology(mesh).degenerate_triangles, compute_mesh_topology(given).degenerate_triangles);
 
   SealReport again;

@@ -9,9 +9,9 @@ namespace hapton {
 class SignalRain {
  public:
   SignalRain() {
-    struct sigaction quiet = {};
-    quiet.sa_handler = [](int) {};
-    ::sigaction(SIGALRM, &quiet, &before_);
+    struct sigaction ignoring = {};
+    ignoring.sa_handler = [](int) {};
+    ::sigaction(SIGALRM, &ignoring, &before_);
     const itimerval each_ms = {{0, 1000}, {0, 1000}};
     ::setitimer(ITIMER_REAL, &each_ms, nullptr);
   }

@@ -38,6 +38,7 @@ struct SurfaceStage {
     }
     return found;
   }
+  // Puts the point on that vertex, on the front or the back of a triangle there. False: there is none.
   bool stand_at_vertex(const Vec3& vertex, bool back = false) {
     for (std::uint32_t t = 0; t < count(); ++t) {
       for (int k = 0; k < 3; ++k) {

@@ -20,7 +20,7 @@
 namespace hapton {
 namespace {
 
-// The number of the call that was stopped, in memory shared with the parent.
+// The number of the forbidden call; below 0: none was made. In memory shared with the parent process.
 volatile int* stopped_call = nullptr;
 
 void note_call(int, siginfo_t* info, void*) {
