@@ -14,13 +14,13 @@
 
 #include "tests/dds/bridge.h"
 #include "tests/dds/fast_node.h"
-#include "tests/process/led_hand.h"
+#include "tests/process/trajectory_session.h"
 
 namespace hapton::dds_test {
 namespace {
 
-using process::LedHand;
 using process::System;
+using process::TrajectorySession;
 using Numbers = std::array<double, 6>;
 
 // The force and torque on the motors in each cycle of a table that `hapton session export` wrote.
@@ -50,12 +50,12 @@ std::set<Numbers> read_written(const std::string& csv) {
 
 // Half of the peg is beyond the edge of a block when it is pressed down, so that it tilts.
 TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
-  LedHand hand("simulated-6dof",
-               "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,0.99995,0.01,0,0\n1,0,0.014,0.024,0.99995,0.01,0,0\n"
-               "60,0,0.014,0.024,0.99995,0.01,0,0\n",
-               "pegs.toml", {"--vision-rate", "2000"});
-  ASSERT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos || !hand.io.is_running(); }));
-  Bridge bridge(hand.hub, hand.scratch.path(), {}, "127.0.0.1");
+  TrajectorySession session("simulated-6dof",
+                            "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,0.99995,0.01,0,0\n1,0,0.014,0.024,0.99995,0.01,0,0\n"
+                            "60,0,0.014,0.024,0.99995,0.01,0,0\n",
+                            "pegs.toml", {"--vision-rate", "2000"});
+  ASSERT_TRUE(System::wait_until([&] { return session.io.out().find("hub on ") != std::string::npos || !session.io.is_running(); }));
+  Bridge bridge(session.hub, session.scratch.path(), {}, "127.0.0.1");
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());
   ros.subscribe("rt/hapton/measured_cf", kWrench);
@@ -69,13 +69,14 @@ TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
       turning += std::hypot(numbers[3], numbers[4], numbers[5]) > 0.001 ? 1 : 0;
     }
     return turning > 500;
-  })) << hand.haptics.err();
+  })) << session.haptics.err();
   bridge.end();
-  hand.end();
-  const std::string table = (hand.scratch.path() / "table").string();
-  const auto exported = process::run("hapton", {"session", "export", hand.file, "--format", "csv", "--out", table}, hand.scratch.path());
+  session.end();
+  const std::string table = (session.scratch.path() / "table").string();
+  const auto exported =
+      process::run("hapton", {"session", "export", session.file, "--format", "csv", "--out", table}, session.scratch.path());
   ASSERT_TRUE(exported && exported->exit_code == 0);
-  const std::set<Numbers> written = read_written(process::read_text(hand.scratch.path() / "table" / "session.csv"));
+  const std::set<Numbers> written = read_written(process::read_text(session.scratch.path() / "table" / "session.csv"));
   // A cycle is recorded at its end: if a force came late, another force was on the motors before that in the same cycle.
   const auto found = std::count_if(wrenches.begin(), wrenches.end(), [&](const Numbers& wrench) { return written.contains(wrench); });
   EXPECT_GT(static_cast<double>(found), 0.95 * static_cast<double>(wrenches.size())) << "to the last bit";

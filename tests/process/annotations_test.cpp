@@ -25,7 +25,7 @@ using ::testing::HasSubstr;
 constexpr Seconds kRoundsPatience = 4 * kPatience;
 
 // A line of 40 mm on the top of a cube with button 2, then a measure from one end of it to the other with button 3, again and again.
-constexpr const char* kWay =
+constexpr const char* kTrajectory =
     "t_s,x_m,y_m,z_m,buttons\n0,-0.02,0.01,0.06,0\n0.3,-0.02,0.01,0.049,0\n0.6,-0.02,0.01,0.049,2\n1.6,0.02,0.01,0.049,0\n"
     "1.9,0.02,0.01,0.049,4\n2.9,0.02,0.01,0.049,0\n3.2,0.02,0.01,0.049,0\n3.6,-0.02,0.01,0.049,0\n3.9,-0.02,0.01,0.049,4\n"
     "4.9,-0.02,0.01,0.049,0\n5.2,-0.02,0.01,0.049,0\n5.5,-0.02,0.01,0.06,0\n";
@@ -34,18 +34,18 @@ constexpr const char* kCube =
     "v 0.05 0.05 0.05\nv -0.05 0.05 0.05\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\n"
     "f 4 1 5\nf 4 5 8\n";
 
-std::vector<std::string> lines_that_begin(const std::string& text, const std::string& with) {
+std::vector<std::string> lines_that_begin(const std::string& text, const std::string& prefix) {
   std::vector<std::string> found;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(with)) found.push_back(line);
+    if (line.starts_with(prefix)) found.push_back(line);
   }
   return found;
 }
 
 TEST(Annotations, AreDrawnSavedAndReadByTheProgram) {
   ScratchFolder scratch;
-  scratch.write("way.csv", kWay);
+  scratch.write("way.csv", kTrajectory);
   scratch.write("cube.obj", kCube);
   scratch.write("cube.toml", "[[object]]\nmesh = \"cube.obj\"\nname = \"block\"\n");
   const std::string scene = (scratch.path() / "cube.toml").string();
@@ -91,11 +91,11 @@ TEST(Annotations, AreDrawnSavedAndReadByTheProgram) {
   }
   EXPECT_GE(lines_that_begin(lines, "l ").size(), 2U);
   {
-    Program again("vision_node", arguments, scratch.path(), display.name());
-    EXPECT_TRUE(System::wait_until([&] { return again.err().find("joined the hub") != std::string::npos || !again.is_running(); }));
-    EXPECT_THAT(again.err(), HasSubstr("notes.toml: "));
-    again.send_signal(SIGTERM);
-    const auto ended = again.wait(kPatience);
+    Program restarted("vision_node", arguments, scratch.path(), display.name());
+    EXPECT_TRUE(System::wait_until([&] { return restarted.err().find("joined the hub") != std::string::npos || !restarted.is_running(); }));
+    EXPECT_THAT(restarted.err(), HasSubstr("notes.toml: "));
+    restarted.send_signal(SIGTERM);
+    const auto ended = restarted.wait(kPatience);
     ASSERT_TRUE(ended);
     EXPECT_EQ(ended->exit_code, 0) << ended->err;
   }
@@ -135,8 +135,8 @@ TEST(Annotations, TheMenuIsOperatedByTouch) {
   EXPECT_EQ(ended->exit_code, 0) << ended->err;
 }
 
-// The annotations put the block 30 mm higher than the scene file does. Only there the path touches it. vision_node learns of this pose.
-TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
+// The annotations put the block 30 mm higher than the scene file does. The hand touches it only there. vision_node receives this pose.
+TEST(Annotations, AnObjectStartsAtThePoseInTheAnnotations) {
   ScratchFolder scratch;
   scratch.write("way.csv", "t_s,x_m,y_m,z_m\n0,0,0.01,0.09\n0.5,0,0.01,0.079\n100,0,0.01,0.079\n");
   scratch.write("cube.obj", kCube);

@@ -1,4 +1,4 @@
-// Whatever people type, a program prints one line on stderr that names the trouble, and its exit code is neither zero nor that of a crash.
+// Whatever people type, a program prints one line on stderr that names the problem, and its exit code is neither zero nor that of a crash.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -32,7 +32,7 @@ std::string replace_all(std::string text, const std::string& from, const std::st
 }
 
 // The errors on stderr, without notices.
-std::vector<std::string> complaints_of(const std::string& text) {
+std::vector<std::string> error_lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
@@ -87,9 +87,9 @@ TEST_P(BadInput, GivesOneLineAndFails) {
     EXPECT_EQ(ended->exit_code, call.exit_code);
   }
   EXPECT_LT(ended->exit_code, 126) << "ended by a signal or not started";
-  const std::vector<std::string> complaints = complaints_of(ended->err);
-  ASSERT_EQ(complaints.size(), 1U) << ended->err;
-  EXPECT_THAT(complaints.front(), ::testing::HasSubstr(fill_in(call.mentions)));
+  const std::vector<std::string> error_lines = error_lines_of(ended->err);
+  ASSERT_EQ(error_lines.size(), 1U) << ended->err;
+  EXPECT_THAT(error_lines.front(), ::testing::HasSubstr(fill_in(call.mentions)));
 }
 
 // Only io_node is started. Port 0 is any free port, so an io_node that continued would hold no port that another test needs.
@@ -380,10 +380,10 @@ TEST_P(FewDescriptors, EndWithOneLine) {
     const auto ended = program->wait(kPatience);
     ASSERT_TRUE(ended) << "still runs";
     EXPECT_EQ(ended->exit_code, 1) << allowed;
-    const std::vector<std::string> complaints = complaints_of(ended->err);
-    ASSERT_EQ(complaints.size(), 1U) << ended->err;
-    EXPECT_THAT(complaints.front(), ::testing::HasSubstr("file descriptors"));
-    EXPECT_THAT(complaints.front(), ::testing::HasSubstr("ulimit -n"));
+    const std::vector<std::string> error_lines = error_lines_of(ended->err);
+    ASSERT_EQ(error_lines.size(), 1U) << ended->err;
+    EXPECT_THAT(error_lines.front(), ::testing::HasSubstr("file descriptors"));
+    EXPECT_THAT(error_lines.front(), ::testing::HasSubstr("ulimit -n"));
   }
 }
 
@@ -408,24 +408,24 @@ class FewThreads : public ::testing::TestWithParam<BadCall> {};
 // Each round allows one thread more, until the program has all that it needs.
 TEST_P(FewThreads, EndWithOneLine) {
   const BadCall& call = GetParam();
-  int needed = 0;
-  for (bool has_enough = false; !has_enough; ++needed) {
-    ASSERT_LT(needed, 20) << "it never has enough";
+  int allowed = 0;
+  for (bool has_enough = false; !has_enough; ++allowed) {
+    ASSERT_LT(allowed, 20) << "it never has enough";
     const TestFolder folder;
     std::vector<std::string> arguments = call.arguments;
     std::ranges::transform(arguments, arguments.begin(),
                            [&](const std::string& text) { return replace_all(text, "FOLDER", folder.path().string()); });
-    const ThreadLimit limit(call.program, needed);
+    const ThreadLimit limit(call.program, allowed);
     const auto ended = run(call.program, arguments, folder.path());
     ASSERT_TRUE(ended) << "still runs";
     has_enough = ended->err.find(call.mentions) == std::string::npos;
     if (has_enough) continue;
-    EXPECT_EQ(ended->exit_code, 1) << needed;
-    const std::vector<std::string> complaints = complaints_of(ended->err);
-    EXPECT_EQ(std::ranges::count_if(complaints, [&](const std::string& line) { return line.find(call.mentions) != line.npos; }), 1);
-    EXPECT_THAT(complaints.back(), ::testing::HasSubstr(call.mentions)) << "nothing comes after it";
+    EXPECT_EQ(ended->exit_code, 1) << allowed;
+    const std::vector<std::string> error_lines = error_lines_of(ended->err);
+    EXPECT_EQ(std::ranges::count_if(error_lines, [&](const std::string& line) { return line.find(call.mentions) != line.npos; }), 1);
+    EXPECT_THAT(error_lines.back(), ::testing::HasSubstr(call.mentions)) << "nothing comes after it";
   }
-  EXPECT_GT(needed, 1) << "it was never short of threads";
+  EXPECT_GT(allowed, 1) << "it was never short of threads";
 }
 
 const std::vector<BadCall> kThreaded = {

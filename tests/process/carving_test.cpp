@@ -25,18 +25,18 @@ constexpr const char* kClaySlab =
     "f 4 1 5\nf 4 5 8\n";
 constexpr const char* kClayScene =
     "[[object]]\nmesh = \"slab.obj\"\nname = \"clay\"\ncolor = [1, 0, 0]\nsculpt = true\nvoxel_mm = 2\ntool_radius_mm = 14\n";
-constexpr const char* kWayThrough =
+constexpr const char* kThroughSlab =
     "t_s,x_m,y_m,z_m,buttons\n0,-0.09,0.06,0.04,0\n0.4,0.024,0,0.04,1\n1.4,0.024,0,-0.04,1\n2.4,0.024,0,0.04,0\n2.8,-0.09,0.06,0.04,0\n"
     "6,-0.09,0.06,0.04,0\n";
 
 struct RedPixels {
   std::size_t count = 0;
-  double low_x = 1e9, high_x = -1e9;
-  double holes_x = 0.0;  // mean x of the pixels that are not red, between the first and the last red one of each row
-  std::size_t holes = 0;
+  double min_x = 1e9, max_x = -1e9;
+  double hole_mean_x = 0.0;  // mean x of the pixels that are not red, between the first and the last red one of each row
+  std::size_t hole_pixels = 0;
 };
 
-RedPixels count_red(const std::string& file) {
+RedPixels measure_red(const std::string& file) {
   RedPixels red;
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
@@ -52,16 +52,16 @@ RedPixels count_red(const std::string& file) {
     }
     if (row.empty()) continue;
     red.count += row.size();
-    red.low_x = std::min(red.low_x, static_cast<double>(row.front()));
-    red.high_x = std::max(red.high_x, static_cast<double>(row.back()));
+    red.min_x = std::min(red.min_x, static_cast<double>(row.front()));
+    red.max_x = std::max(red.max_x, static_cast<double>(row.back()));
     for (std::size_t i = 1; i < row.size(); ++i) {
       for (std::size_t x = row[i - 1] + 1; x < row[i]; ++x) {
-        ++red.holes;
-        red.holes_x += static_cast<double>(x);
+        ++red.hole_pixels;
+        red.hole_mean_x += static_cast<double>(x);
       }
     }
   }
-  if (red.holes > 0) red.holes_x /= static_cast<double>(red.holes);
+  if (red.hole_pixels > 0) red.hole_mean_x /= static_cast<double>(red.hole_pixels);
   return red;
 }
 
@@ -78,21 +78,21 @@ struct PictureTaker {
                    scratch.path(), display);
     const auto ended = vision.wait(kPatience);
     EXPECT_TRUE(ended && ended->exit_code == 0) << vision.err();
-    return count_red(picture);
+    return measure_red(picture);
   }
 };
 
 TEST(CarvedMaterial, AHoleIsSeenByAVisionNodeThatStartsLater) {
   ScratchFolder scratch;
   scratch.write("slab.obj", kClaySlab);
-  const std::string way = scratch.write("way.csv", kWayThrough).string();
+  const std::string way = scratch.write("way.csv", kThroughSlab).string();
   const std::string scene = scratch.write("clay.toml", kClayScene).string();
   const std::string hub = "127.0.0.1:" + find_free_port();
   const VirtualDisplay display;
   PictureTaker camera{scratch, display.name()};
   const RedPixels whole = camera.take(hub, scene);
   ASSERT_GT(whole.count, 2000U);
-  EXPECT_LT(whole.holes, whole.count / 200) << "no hub: nothing is carved";
+  EXPECT_LT(whole.hole_pixels, whole.count / 200) << "no hub: nothing is carved";
   const std::string file = (scratch.path() / "session.hapton").string();
   Program io("io_node", {"--bind", hub, "--device", "replay", "--loop", "--trajectory", way, "--record", file}, scratch.path());
   Program haptics("haptics_node", {"--hub", hub, "--scene", scene}, scratch.path());
@@ -101,13 +101,13 @@ TEST(CarvedMaterial, AHoleIsSeenByAVisionNodeThatStartsLater) {
   EXPECT_TRUE(System::wait_until(
       [&] {
         carved = camera.take(hub, scene);
-        return carved.holes > whole.count / 25;
+        return carved.hole_pixels > whole.count / 25;
       },
       4 * kPatience))
       << haptics.err() << io.err();
   // A hole of 28 mm in 100 by 100 mm: 6 % of its area, a little less because the wall of the hole is red too.
-  EXPECT_NEAR(static_cast<double>(carved.holes), 0.06 * static_cast<double>(whole.count), 0.025 * static_cast<double>(whole.count));
-  EXPECT_NEAR(carved.holes_x, whole.low_x + 0.74 * (whole.high_x - whole.low_x), 0.04 * (whole.high_x - whole.low_x))
+  EXPECT_NEAR(static_cast<double>(carved.hole_pixels), 0.06 * static_cast<double>(whole.count), 0.025 * static_cast<double>(whole.count));
+  EXPECT_NEAR(carved.hole_mean_x, whole.min_x + 0.74 * (whole.max_x - whole.min_x), 0.04 * (whole.max_x - whole.min_x))
       << "where it was carved";
   for (Program* program : {&haptics, &io}) {
     program->send_signal(SIGTERM);

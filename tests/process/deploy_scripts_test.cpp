@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 // Runs a copy of a script in a temporary tree, with programs that stand in for those of the system.
 class DeployScript : public ::testing::Test {
  protected:
-  void take(const std::string& script) {
+  void copy_script(const std::string& script) {
     std::filesystem::create_directories(folder_.path() / "deploy");
     std::filesystem::copy_file(std::filesystem::path(HAPTON_SOURCE_DIR "/deploy") / script, folder_.path() / "deploy" / script);
   }
@@ -39,11 +39,11 @@ class DeployScript : public ::testing::Test {
 // `grep` fails if no step failed, and `head` ends before it has read all of a long output. Either of them once ended the script
 // (pipefail) without a message.
 TEST_F(DeployScript, BuildSaysWhyItFailsWithoutAFailedStepAndWithALongOne) {
-  take("build");
+  copy_script("build");
   stand_in("deploy/setup", "exit 0");
   struct Failure {
     const char* commands;
-    const char* shown;
+    const char* expected_text;
   };
   for (const Failure& failure : {Failure{"echo \"ninja: error: unknown target 'nonsense'\"", "unknown target 'nonsense'\n"},
                                  Failure{"echo 'FAILED: part.o'; seq 20000", "FAILED: part.o\n1\n"}}) {
@@ -51,14 +51,14 @@ TEST_F(DeployScript, BuildSaysWhyItFailsWithoutAFailedStepAndWithALongOne) {
     const auto ended = run_script("build nonsense");
     ASSERT_TRUE(ended) << "still runs";
     EXPECT_EQ(ended->exit_code, 1);
-    EXPECT_THAT(ended->err, HasSubstr(failure.shown));
+    EXPECT_THAT(ended->err, HasSubstr(failure.expected_text));
     EXPECT_THAT(ended->err, HasSubstr("build: preset 'release' does not build"));
   }
 }
 
 // apt-cache fails if it does not know the package.
 TEST_F(DeployScript, HidTestIsSkippedWithoutListsOfPackages) {
-  take("hid-test");
+  copy_script("hid-test");
   stand_in("bin/uname", "echo x86_64");
   for (const char* program : {"qemu-system-x86_64", "cpio", "busybox", "udevadm", "apt-get", "dpkg-deb"})
     stand_in(std::string("bin/") + program, "exit 0");

@@ -42,15 +42,15 @@ struct TwoHands : testing::Test {
   }
   // Requests reports until the condition holds for both hands. False: it never did, or io_node has ended.
   bool wait_for(const std::function<bool(const Json& left, const Json& right)>& holds) {
-    bool is_so = false;
+    bool has_held = false;
     (void)System::wait_until([&] {
       if (!io->is_running()) return true;
       io->send_signal(SIGUSR1);
       const Json left = report_of("left");
       const Json right = report_of("right");
-      return is_so = left.is_object() && right.is_object() && holds(left, right);
+      return has_held = left.is_object() && right.is_object() && holds(left, right);
     });
-    return is_so;
+    return has_held;
   }
 
   System system;
@@ -67,8 +67,8 @@ TEST_F(TwoHands, TouchEachByItself) {
   // The right hand continues when the left one's haptics node is gone.
   haptics["left"]->kill();
   ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "command_timeouts") > 0; })) << io->err();
-  const std::int64_t force = count(report_of("right"), "contact_samples");
-  ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > force; })) << io->err();
+  const std::int64_t contact_samples = count(report_of("right"), "contact_samples");
+  ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > contact_samples; })) << io->err();
   io->send_signal(SIGTERM);
   const auto ended = io->wait(kPatience);
   ASSERT_TRUE(ended) << "io_node does not end";
@@ -111,13 +111,13 @@ TEST(Doctor, ReportsByItsExitCode) {
   TestFolder folder;
   const std::string clock = (folder.path() / "root/sys/devices/system/clocksource/clocksource0").string();
   std::filesystem::create_directories(clock);
-  const auto look = [&] {
+  const auto run_doctor = [&] {
     return run("hapton", {"doctor", "--root", (folder.path() / "root").string(), "--only", "clock"}, folder.path()).value_or(Ended{});
   };
   std::ofstream(clock + "/current_clocksource") << "tsc\n";
-  EXPECT_EQ(look().exit_code, 0);
+  EXPECT_EQ(run_doctor().exit_code, 0);
   std::ofstream(clock + "/current_clocksource") << "hpet\n";
-  const Ended slow = look();
+  const Ended slow = run_doctor();
   EXPECT_EQ(slow.exit_code, 1);
   EXPECT_THAT(slow.out, HasSubstr("fix: "));
   for (const std::vector<std::string>& wrong :
@@ -140,25 +140,25 @@ TEST(Doctor, NamesTheRendererOfADisplay) {
 // Adds a folder in which the loader looks for libraries, as long as this object lives.
 class LoaderPath {
  public:
-  explicit LoaderPath(const std::string& folder) : was_(::getenv("LD_LIBRARY_PATH") == nullptr ? "" : ::getenv("LD_LIBRARY_PATH")) {
+  explicit LoaderPath(const std::string& folder) : previous_(::getenv("LD_LIBRARY_PATH") == nullptr ? "" : ::getenv("LD_LIBRARY_PATH")) {
     ::setenv("LD_LIBRARY_PATH", folder.c_str(), 1);
   }
-  ~LoaderPath() { was_.empty() ? ::unsetenv("LD_LIBRARY_PATH") : ::setenv("LD_LIBRARY_PATH", was_.c_str(), 1); }
+  ~LoaderPath() { previous_.empty() ? ::unsetenv("LD_LIBRARY_PATH") : ::setenv("LD_LIBRARY_PATH", previous_.c_str(), 1); }
 
  private:
-  std::string was_;
+  std::string previous_;
 };
 
 TEST(Doctor, LoadsVendorsLibrariesAndNamesWhatTheyLack) {
   TestFolder folder;
-  const auto look = [&](const std::string& libraries) {
+  const auto run_doctor = [&](const std::string& libraries) {
     const LoaderPath path(std::string(HAPTON_BIN_DIR) + "/../tests/standins/" + libraries);
     return run("hapton", {"doctor", "--only", "libraries"}, folder.path()).value_or(Ended{});
   };
-  const Ended there = look("openhaptics");
-  EXPECT_EQ(there.exit_code, 0) << there.out << there.err;
-  EXPECT_THAT(there.out, HasSubstr("OpenHaptics: libHD.so loads"));
-  const Ended needy = look("needy");
+  const Ended loaded = run_doctor("openhaptics");
+  EXPECT_EQ(loaded.exit_code, 0) << loaded.out << loaded.err;
+  EXPECT_THAT(loaded.out, HasSubstr("OpenHaptics: libHD.so loads"));
+  const Ended needy = run_doctor("needy");
   EXPECT_EQ(needy.exit_code, 1);
   EXPECT_THAT(needy.out, HasSubstr("OpenHaptics: libPhantomIOLib42.so: cannot open shared object file: No such file or directory"));
   EXPECT_THAT(needy.out, HasSubstr("fix: libHD.so exists, but needs libPhantomIOLib42.so"));

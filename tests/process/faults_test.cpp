@@ -32,7 +32,7 @@ const std::vector<std::string> kStorm = {"--loss",      "0.3", "--jitter-ms", "2
                                          "--duplicate", "0.1", "--corrupt",   "0.05", "--burst-share", "0.05"};
 
 // True if contact continues from now on for this many samples.
-bool feels_on(System& system, std::int64_t samples = 300) {
+bool contact_continues(System& system, std::int64_t samples = 300) {
   const std::int64_t before = count(system.request_report(), "contact_samples");
   return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
 }
@@ -44,16 +44,16 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact through the storm";
-  const Watched watched = expect_bounded(observer, 3.0, Until::force);
-  EXPECT_GT(watched.seen, 100);
-  EXPECT_GT(watched.force, 0);
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact through the storm";
+  const Watched watched = expect_within_limits(observer, 3.0, Until::force);
+  EXPECT_GT(watched.states, 100);
+  EXPECT_GT(watched.forces, 0);
   const Json report = system.request_report();
   expect_sane(report);
   EXPECT_GT(count(report, "rejected_forged") + count(report, "rejected_malformed") + count(report, "rejected_unknown_session") +
                 count(report, "rejected_wrong_version"),
             0)
-      << "what was spoilt is noticed";
+      << "corrupted datagrams are noticed";
   EXPECT_GT(count(report, "rejected_replayed"), 0) << "copies are noticed";
   for (const char* node : {"haptics_node", "relay", "io_node"}) system.end(node);
   const Json relay = Json::parse(read_text(system.relay_report_path()));
@@ -74,14 +74,14 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state));
+  ASSERT_TRUE(observer.wait_for_force(state));
   // A loaded machine alone can make a command late: the cuts themselves are counted too.
   const auto was_cut_twice = [&](const Json& report) {
     const std::string phases = system["relay"].out();
     return phases.find("phase cut") != phases.rfind("phase cut") && count(report, "command_timeouts") >= 2;
   };
   ASSERT_TRUE(waits_for(system, was_cut_twice)) << system["relay"].out();
-  EXPECT_TRUE(feels_on(system, 100)) << "no contact after the cut";
+  EXPECT_TRUE(contact_continues(system, 100)) << "no contact after the cut";
   expect_sane(system.request_report());
 }
 
@@ -93,14 +93,14 @@ TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state));
+  ASSERT_TRUE(observer.wait_for_force(state));
   system["haptics_node"].kill();
-  ASSERT_TRUE(observer.see_until(false, state));
+  ASSERT_TRUE(observer.wait_for_no_force(state));
   system.start("haptics_node");
   const std::int64_t started_ns = observer.now_ns();
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact after the restart";
   std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(observer.now_ns() - started_ns));
-  EXPECT_GT(expect_bounded(observer, 0.5, Until::force).force, 0);
+  EXPECT_GT(expect_within_limits(observer, 0.5, Until::force).forces, 0);
   expect_sane(system.request_report());
   system.end_all();
 }
@@ -139,7 +139,7 @@ TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
   EXPECT_THAT(reset->out, HasSubstr("no fault is latched"));
   SessionObserver observer(system);
   ProbeState state;
-  EXPECT_TRUE(observer.see_until(true, state)) << "no force after the reset";
+  EXPECT_TRUE(observer.wait_for_force(state)) << "no force after the reset";
   EXPECT_EQ(count(system.request_report(), "faults_reset"), 1);
   expect_sane(system.request_report());
   system.end_all();
@@ -151,14 +151,14 @@ TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state));
+  ASSERT_TRUE(observer.wait_for_force(state));
   system["haptics_node"].send_signal(SIGSTOP);
   ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
-  ASSERT_TRUE(observer.see_until(false, state));
+  ASSERT_TRUE(observer.wait_for_no_force(state));
   system["haptics_node"].send_signal(SIGCONT);
-  const Watched watched = expect_bounded(observer, 1.5);
-  EXPECT_GT(watched.seen, 0);
-  EXPECT_TRUE(feels_on(system));
+  const Watched watched = expect_within_limits(observer, 1.5);
+  EXPECT_GT(watched.states, 0);
+  EXPECT_TRUE(contact_continues(system));
   expect_sane(system.request_report());
   system.end_all();
 }
@@ -172,7 +172,7 @@ TEST(Hub, FrozenAndThawedIsFoundAgainByAll) {
   clock.sleep_until_ns(clock.now_ns() + 1500 * kNanosecondsPerMillisecond);
   for (const std::string& node : kNodes) EXPECT_TRUE(system[node].is_running()) << node;
   system["io_node"].send_signal(SIGCONT);
-  EXPECT_TRUE(feels_on(system));
+  EXPECT_TRUE(contact_continues(system));
   const std::int64_t drawn = count(system.request_report(), "drawn");
   EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > drawn || kNodes.size() == 2; }));
   expect_sane(system.request_report());
@@ -189,7 +189,7 @@ TEST(Hub, ASecondDeviceAtTheSameAddressIsRejectedInALineAndTheFirstGoesOn) {
   ASSERT_TRUE(ended) << "the second one runs";
   EXPECT_EQ(ended->exit_code, 1);
   EXPECT_THAT(ended->err, HasSubstr("another program holds this port"));
-  EXPECT_TRUE(feels_on(system));
+  EXPECT_TRUE(contact_continues(system));
   system.end_all();
 }
 
@@ -298,15 +298,15 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   const auto begin = std::chrono::steady_clock::now();
   Flood flood(system.hub(), 0.5 * kFloodPerSecond);
   Flood other(system.hub(), 0.5 * kFloodPerSecond);
-  EXPECT_TRUE(feels_on(system, 1000)) << "no contact in the flood";
-  const std::regex kNamed("flood of [a-z ]+ from 127\\.0\\.0\\.1:[0-9]+( and others)?, [0-9]+ a second");
-  EXPECT_TRUE(System::wait_until([&] { return std::regex_search(system["io_node"].err(), kNamed); })) << system["io_node"].err();
+  EXPECT_TRUE(contact_continues(system, 1000)) << "no contact in the flood";
+  const std::regex kFloodLine("flood of [a-z ]+ from 127\\.0\\.0\\.1:[0-9]+( and others)?, [0-9]+ a second");
+  EXPECT_TRUE(System::wait_until([&] { return std::regex_search(system["io_node"].err(), kFloodLine); })) << system["io_node"].err();
   const Json report = system.request_report();
-  std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
+  std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld command timeouts\n", flood.stop() + other.stop(),
               count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "command_timeouts"));
   // The hub names the flood at most once a second.
   const std::string text = system["io_node"].err();
-  const auto lines = std::distance(std::sregex_iterator(text.begin(), text.end(), kNamed), std::sregex_iterator());
+  const auto lines = std::distance(std::sregex_iterator(text.begin(), text.end(), kFloodLine), std::sregex_iterator());
   EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << text;
   expect_sane(report);
   EXPECT_GT(count(report, "rejected_malformed") + count(report, "rejected_wrong_version") + count(report, "rejected_wrong_key") +
@@ -326,16 +326,17 @@ TEST(Vision, FrozenOrFloodedChangesNoForce) {
 
   system["vision_node"].send_signal(SIGSTOP);
   ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
-  EXPECT_TRUE(feels_on(system));
+  EXPECT_TRUE(contact_continues(system));
   system["vision_node"].send_signal(SIGCONT);
-  const std::int64_t frozen = count(system.request_report(), "drawn");
-  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > frozen; })) << "it does not draw again";
+  const std::int64_t drawn_while_frozen = count(system.request_report(), "drawn");
+  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > drawn_while_frozen; }))
+      << "it does not draw again";
 
   Flood flood(at, 20'000);
-  EXPECT_TRUE(feels_on(system, 1000));
+  EXPECT_TRUE(contact_continues(system, 1000));
   flood.stop();
-  const std::int64_t flooded = count(system.request_report(), "drawn");
-  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > flooded; }));
+  const std::int64_t drawn_after_flood = count(system.request_report(), "drawn");
+  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > drawn_after_flood; }));
   expect_sane(system.request_report());
   system.end_all();
 }

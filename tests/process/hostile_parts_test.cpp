@@ -50,9 +50,9 @@ class HostileHaptics {
 };
 
 // Parts that the codec lets through, with each number from the whole range that the codec permits.
-class Parts {
+class RandomParts {
  public:
-  explicit Parts(unsigned seed) : random_(seed) {}
+  explicit RandomParts(unsigned seed) : random_(seed) {}
 
   void begin_epoch() {
     ++epoch_;
@@ -60,9 +60,9 @@ class Parts {
   }
   Message begin() {
     PatchBegin begin{.epoch = epoch_, .serial = ++serial_, .scene_hash = 7};
-    begin.origin_m = Vec3(any(), any(), any());
-    begin.step_m = std::abs(any()) + 1e-300;
-    begin.probe_radius_m = one_in(2) ? 0.0 : std::abs(any());
+    begin.origin_m = Vec3(random_number(), random_number(), random_number());
+    begin.step_m = std::abs(random_number()) + 1e-300;
+    begin.probe_radius_m = one_in(2) ? 0.0 : std::abs(random_number());
     begin.body_count = one_in(2) ? 1U : static_cast<std::uint32_t>(1 + random_() % 3);
     effects_ = one_in(2) ? draw_effects() : std::string();
     begin.effect_bytes = static_cast<std::uint32_t>(effects_.size());
@@ -81,9 +81,9 @@ class Parts {
   // Sends the whole of a small scene around the hand: as many triangles through one another as one cell can hold.
   void send_tangle(HostileHaptics& hostile, const Vec3& p_WD) {
     begin_epoch();
-    const double wide_m = 0.1;
-    const double step_m = std::ldexp(wide_m, -kPatchGridBits);
-    hostile.send(PatchBegin{.epoch = epoch_, .serial = ++serial_, .origin_m = p_WD - Vec3::Constant(0.5 * wide_m), .step_m = step_m});
+    const double width_m = 0.1;
+    const double step_m = std::ldexp(width_m, -kPatchGridBits);
+    hostile.send(PatchBegin{.epoch = epoch_, .serial = ++serial_, .origin_m = p_WD - Vec3::Constant(0.5 * width_m), .step_m = step_m});
     PatchCell cell{.epoch = epoch_, .serial = ++serial_};
     cell.tile_count = PatchCell::kMaxTiles;
     for (std::uint32_t n = 0; n < cell.tile_count; ++n) cell.tiles[n] = n;
@@ -111,9 +111,9 @@ class Parts {
     PatchTile tile{.epoch = epoch_, .serial = ++serial_};
     tile.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
     tile.object = static_cast<std::uint32_t>(one_in(5) ? random_() : random_() % 3);
-    tile.stiffness_n_per_m = std::abs(any());
-    tile.damping_ns_per_m = one_in(2) ? 0.0 : std::abs(any());
-    tile.friction_static = one_in(2) ? 0.0 : std::abs(any());
+    tile.stiffness_n_per_m = std::abs(random_number());
+    tile.damping_ns_per_m = one_in(2) ? 0.0 : std::abs(random_number());
+    tile.friction_static = one_in(2) ? 0.0 : std::abs(random_number());
     tile.friction_dynamic = tile.friction_static * 0.5;
     tile.two_sided = one_in(2);
     tile.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
@@ -131,17 +131,18 @@ class Parts {
       body.lowest = {0, 0, 0};
       for (auto& most : body.highest) most = static_cast<std::uint32_t>(random_() >> (64 - kPatchGridBits));
     }
-    body.radius_m = std::min(std::abs(any()), kMaxTranslationM);
+    body.radius_m = std::min(std::abs(random_number()), kMaxTranslationM);
     body.object = static_cast<std::int32_t>(random_() % 3);
     body.move_serial = one_in(2) ? 0U : static_cast<std::uint32_t>(random_());
-    if (body.motion != PatchBody::Motion::still) body.pivot_m = place();
+    if (body.motion != PatchBody::Motion::still) body.pivot_m = random_position();
     if (body.motion != PatchBody::Motion::keyframes) return body;
     body.loops = one_in(3);
     body.key_count = static_cast<std::uint32_t>(1 + random_() % PatchBody::kMaxKeys);
     body.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
     body.all_keys = std::max(2U, body.first_key + body.key_count);
     double time_s = 0.0;
-    for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += 1e-3 + std::min(std::abs(any()), 1e6), place(), turn()};
+    for (std::size_t n = 0; n < body.key_count; ++n)
+      body.keys[n] = {time_s += 1e-3 + std::min(std::abs(random_number()), 1e6), random_position(), random_rotation()};
     return body;
   }
   // A deformation of few tiles, so that some deformations become complete.
@@ -152,13 +153,14 @@ class Parts {
     deformation.displaced_count = static_cast<std::uint32_t>(one_in(10) ? random_() : random_() % 3);
     deformation.target_count = static_cast<std::uint32_t>(1 + random_() % PatchDeformation::kMaxTargets);
     deformation.loops = one_in(3);
-    const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
-    deformation.key_count = static_cast<std::uint32_t>(1 + random_() % (PatchDeformation::kMaxNumbers / each));
+    const std::size_t numbers_per_key = PatchDeformation::numbers_of_key(deformation.target_count);
+    deformation.key_count = static_cast<std::uint32_t>(1 + random_() % (PatchDeformation::kMaxNumbers / numbers_per_key));
     deformation.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
     deformation.all_keys = deformation.first_key + deformation.key_count;
     double time_s = 0.0;
-    for (std::size_t i = 0; i < deformation.key_count * each; ++i) {
-      deformation.keys[i] = i % each == 0 ? time_s += 1e-3 + std::min(std::abs(any()), 1e6) : std::clamp(any(), -1e6, 1e6);
+    for (std::size_t i = 0; i < deformation.key_count * numbers_per_key; ++i) {
+      deformation.keys[i] =
+          i % numbers_per_key == 0 ? time_s += 1e-3 + std::min(std::abs(random_number()), 1e6) : std::clamp(random_number(), -1e6, 1e6);
     }
     return deformation;
   }
@@ -167,18 +169,19 @@ class Parts {
     displacements.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
     displacements.target = static_cast<std::uint32_t>(random_() % PatchDeformation::kMaxTargets);
     displacements.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
-    for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(any(), -1e6, 1e6));
+    for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(random_number(), -1e6, 1e6));
     return displacements;
   }
-  // A part of an object that programs deform, of few tiles, as above. For three of four one shape() message is a whole shape.
+  // A part of an object that programs deform, of few tiles, as in deformation(). For three in four of them, one shape() message has a whole
+  // shape.
   Message stream() {
     PatchStream stream{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % 4)};
     stream.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() >> 33 : random_() % 600);
     stream.tile_count = static_cast<std::uint32_t>(1 + random_() % 3);
     stream.object = static_cast<std::int32_t>(random_() % 3);
     stream.total = static_cast<std::uint32_t>(one_in(4) ? ShapePart::kMaxVertices : 64);
-    stream.reach_m = std::clamp(std::abs(any()), 1e-6, 1e6);
-    for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = std::clamp(any(), -1e6, 1e6);
+    stream.reach_m = std::clamp(std::abs(random_number()), 1e-6, 1e6);
+    for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = std::clamp(random_number(), -1e6, 1e6);
     stream.shape_serial = one_in(2) ? 0U : shapes_;
     stream.tile = stream.first_tile + static_cast<std::uint32_t>(random_() % stream.tile_count);
     stream.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
@@ -188,7 +191,7 @@ class Parts {
   Message shape() {
     ObjectShape shape{.source = 9, .serial = ++shapes_, .object = static_cast<std::int32_t>(random_() % 3), .part = {.total = 64}};
     for (auto& by_m : shape.part.displacements_m) {
-      for (float& k : by_m) k = static_cast<float>(std::clamp(any(), -100.0, 100.0));
+      for (float& k : by_m) k = static_cast<float>(std::clamp(random_number(), -100.0, 100.0));
     }
     return shape;
   }
@@ -205,23 +208,23 @@ class Parts {
     move.start_ns = static_cast<std::int64_t>(random_() >> (1 + random_() % 40));
     move.end_ns = move.start_ns + static_cast<std::int64_t>(random_() >> (2 + random_() % 40));
     if (move.end_ns < move.start_ns) move.end_ns = move.start_ns;
-    move.from_p_m = place();
-    move.from_q = turn();
-    move.to_p_m = place();
-    move.to_q = turn();
+    move.from_p_m = random_position();
+    move.from_q = random_rotation();
+    move.to_p_m = random_position();
+    move.to_q = random_rotation();
     return move;
   }
   Message material() {
     PatchMaterial material{
         .epoch = epoch_, .serial = ++serial_, .object = static_cast<std::uint32_t>(one_in(5) ? random_() : random_() % 3)};
-    material.stiffness_n_per_m = std::min(std::abs(any()), 1e9);
-    material.friction_static = one_in(2) ? 0.0 : std::min(std::abs(any()), 1e9);
+    material.stiffness_n_per_m = std::min(std::abs(random_number()), 1e9);
+    material.friction_static = one_in(2) ? 0.0 : std::min(std::abs(random_number()), 1e9);
     return material;
   }
   Message force(const DeviceState& state) {
     ForceCommand force{.echo_sample = state.sample, .echo_sample_time_ns = state.sample_time_ns};
-    force.force_n = Vec3(any(), any(), any());
-    force.visual_offset_m = Vec3(any(), any(), any());
+    force.force_n = Vec3(random_number(), random_number(), random_number());
+    force.visual_offset_m = Vec3(random_number(), random_number(), random_number());
     force.contact = one_in(2);
     force.object = static_cast<std::int32_t>(random_());
     return force;
@@ -229,31 +232,31 @@ class Parts {
   bool one_in(unsigned n) { return random_() % n == 0; }
 
  private:
-  // Effects at the ends of the range of scene files; in one of four a byte is changed.
+  // Effects at the ends of the range of scene files; in one of four results, a byte is changed.
   std::string draw_effects() {
     SceneEffectSet effects;
-    const double stiff = one_in(2) ? 1e9 : 1e-300;
-    effects.space = {SpringEffect{.centre = place(), .stiffness_n_per_m = stiff, .max_force_n = 100.0},
-                     WaveEffect{.waveform = Waveform::square, .amplitude_n = 100.0, .frequency_hz = stiff},
-                     MassEffect{.mass_kg = stiff, .max_force_n = 100.0}};
+    const double extreme = one_in(2) ? 1e9 : 1e-300;
+    effects.space = {SpringEffect{.centre = random_position(), .stiffness_n_per_m = extreme, .max_force_n = 100.0},
+                     WaveEffect{.waveform = Waveform::square, .amplitude_n = 100.0, .frequency_hz = extreme},
+                     MassEffect{.mass_kg = extreme, .max_force_n = 100.0}};
     SurfaceEffects surface;
-    surface.progressive.n_per_m2 = stiff;
+    surface.progressive.n_per_m2 = extreme;
     surface.snap = {.stiffness_n_per_m = 100.0 / 0.01, .range_m = 0.01};
-    surface.tap = {.ns_per_m = stiff, .frequency_hz = stiff, .decay_s = 1e-300, .max_force_n = 100.0};
-    surface.viscosity.damping_ns_per_m = stiff;
-    if (one_in(2)) surface.layers.add({.depth_m = 1e-9, .stiffness_n_per_m = stiff, .drag_ns_per_m = 1e9});
+    surface.tap = {.ns_per_m = extreme, .frequency_hz = extreme, .decay_s = 1e-300, .max_force_n = 100.0};
+    surface.viscosity.damping_ns_per_m = extreme;
+    if (one_in(2)) surface.layers.add({.depth_m = 1e-9, .stiffness_n_per_m = extreme, .drag_ns_per_m = 1e9});
     effects.surfaces.assign(3, surface);
     effects.body_of = {0, 1, 2};
     std::string bytes = encode_effects(effects);
     if (one_in(4)) bytes[random_() % bytes.size()] = static_cast<char>(random_());
     return bytes;
   }
-  Vec3 place() {
-    const auto number = [this] { return std::clamp(any(), -kMaxTranslationM, kMaxTranslationM); };
+  Vec3 random_position() {
+    const auto number = [this] { return std::clamp(random_number(), -kMaxTranslationM, kMaxTranslationM); };
     return {number(), number(), number()};
   }
-  Quat turn() { return one_in(2) ? Quat::Identity() : Quat(0.6, 0.0, one_in(9) ? 0.8 + 5e-4 : 0.8, 0.0); }
-  double any() {
+  Quat random_rotation() { return one_in(2) ? Quat::Identity() : Quat(0.6, 0.0, one_in(9) ? 0.8 + 5e-4 : 0.8, 0.0); }
+  double random_number() {
     constexpr double kValues[] = {0.0, 1e-300, 1e-12, 1e-9, 1e-6, 1e-3, 0.05, 1.0, 1e3, 1e9, 1e30, 1e300};
     const double value = kValues[random_() % std::size(kValues)] * std::uniform_real_distribution(0.5, 1.5)(random_);
     return one_in(2) ? value : -value;
@@ -276,7 +279,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
     HostileHaptics hostile(system);
     ASSERT_TRUE(hostile.join());
     SessionObserver observer(system);
-    Parts parts(seed);
+    RandomParts parts(seed);
     for (int round = 0; round < 40; ++round) {
       if (round % 4 == 0) {
         parts.begin_epoch();
@@ -285,7 +288,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       }
       if (round % 20 == 18) {
         parts.send_tangle(hostile, hostile.state().p_WD);
-        EXPECT_GT(expect_bounded(observer, 0.3).seen, 0);
+        EXPECT_GT(expect_within_limits(observer, 0.3).states, 0);
       }
       for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
       for (int n = 0; n < 6; ++n) hostile.send(parts.body());
@@ -298,21 +301,21 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       hostile.listen(5 * kNanosecondsPerMillisecond);
       ASSERT_TRUE(system["io_node"].is_running()) << "seed " << seed << "\n" << system["io_node"].err();
       if (round % 10 == 9) {
-        EXPECT_GT(expect_bounded(observer, 0.1).seen, 0);
+        EXPECT_GT(expect_within_limits(observer, 0.1).states, 0);
       }
     }
   }
   const Json report = system.request_report();
   ASSERT_TRUE(report.is_object());
-  EXPECT_GT(count(report, "patch_parts"), 1000) << "they were taken";
+  EXPECT_GT(count(report, "patch_parts"), 1000) << "io_node accepted them";
   std::printf("%ld parts, %ld patches built, %ld steps on them\n", count(report, "patch_parts"), count(report, "patches_built"),
               count(report, "local_forces"));
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
   EXPECT_TRUE(feels_patches(system));
-  EXPECT_TRUE(observer.see_until(true, state));
-  expect_bounded(observer, 0.5);
+  EXPECT_TRUE(observer.wait_for_force(state));
+  expect_within_limits(observer, 0.5);
   system.end_all();
 }
 

@@ -39,8 +39,8 @@ struct Latched : testing::Test {
   bool says(const Program& program, const std::string& text) {
     return System::wait_until([&] { return program.err().find(text) != std::string::npos; });
   }
-  // True if a fault is kept in the runtime folder, which is the test's own.
-  bool is_kept() const {
+  // True if a latched fault is saved in the runtime folder, which is the test's own.
+  bool has_saved_fault() const {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
       const std::string name = entry.path().filename().string();
       if (name.starts_with("latched-") && !name.ends_with(".part")) return true;
@@ -54,17 +54,17 @@ TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
   write_trajectory(folder.path() / "jumps.csv", true);
   write_trajectory(folder.path() / "rests.csv", false);
   const std::string kLatched = "fault latched, no force";
-  const std::string kStill = "a fault latched before this start has not been reset: the device's position jumped";
+  const std::string kNotReset = "a fault latched before this start has not been reset: the device's position jumped";
   {
     Program io = start("jumps.csv");
     ASSERT_TRUE(says(io, kLatched)) << io.err();
-    EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
-    ASSERT_TRUE(System::wait_until([&] { return is_kept(); })) << "no fault is kept in " << folder.path();
+    EXPECT_THAT(io.err(), Not(HasSubstr(kNotReset)));
+    ASSERT_TRUE(System::wait_until([&] { return has_saved_fault(); })) << "no fault is kept in " << folder.path();
     io.kill();
   }
   for (const bool resets : {false, true}) {
     Program io = start("rests.csv");
-    ASSERT_TRUE(says(io, kStill)) << io.err();
+    ASSERT_TRUE(says(io, kNotReset)) << io.err();
     ASSERT_TRUE(says(io, "info  real time"));
     if (resets) {
       EXPECT_EQ(reset(), 0) << io.err();
@@ -75,22 +75,22 @@ TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
   }
   Program io = start("rests.csv");
   ASSERT_TRUE(says(io, "info  real time"));
-  EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
+  EXPECT_THAT(io.err(), Not(HasSubstr(kNotReset)));
 }
 
-// The other device runs on when one has failed for good. A process that is killed then is started again by systemd, one that ends by itself
-// with this exit code is not.
+// The other device runs on when one has failed for good. If the process is then killed, systemd starts it again; if it ends by itself with
+// this exit code, systemd does not.
 TEST_F(Latched, ADeviceThatFailedForGoodHasNoForceAfterACrashOfTheOthers) {
   const std::string left = "plugin:" + standin::library("plugins/odd_device.so") + ":does=fault,after=500";
   std::ofstream(folder.path() / "devices.toml")
       << "[[device]]\nname = \"left\"\ndevice = \"" << left << "\"\nbind = \"" << hub
       << "\"\n[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:" << find_free_port() << "\"\n";
-  const std::string kStill = "a fault latched before this start has not been reset: the device stopped replying";
+  const std::string kNotReset = "a fault latched before this start has not been reset: the device stopped replying";
   for (const bool is_killed : {true, false}) {
     Program io("io_node", {"--devices", (folder.path() / "devices.toml").string(), "--rt", "off", "--watchdog", "off"}, folder.path());
     ASSERT_TRUE(says(io, "stopped replying; check its cable")) << io.err();
-    EXPECT_EQ(io.err().find(kStill) == std::string::npos, is_killed) << io.err();
-    ASSERT_TRUE(System::wait_until([&] { return is_kept(); })) << "no fault is kept in " << folder.path();
+    EXPECT_EQ(io.err().find(kNotReset) == std::string::npos, is_killed) << io.err();
+    ASSERT_TRUE(System::wait_until([&] { return has_saved_fault(); })) << "no fault is kept in " << folder.path();
     if (is_killed) {
       io.kill();
       continue;
@@ -99,7 +99,7 @@ TEST_F(Latched, ADeviceThatFailedForGoodHasNoForceAfterACrashOfTheOthers) {
     const auto ended = io.wait(kPatience);
     ASSERT_TRUE(ended);
     EXPECT_EQ(ended->exit_code, 3);
-    EXPECT_FALSE(is_kept()) << "the next start is a person's";
+    EXPECT_FALSE(has_saved_fault()) << "the next start is a person's";
   }
 }
 

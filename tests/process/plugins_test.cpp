@@ -23,11 +23,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 // A budget so large that no plug-in is cut off because the machine stops now and then.
-const std::string kAmpleUs = "10000";
+const std::string kAmpleBudgetUs = "10000";
 
 std::string plugin(const std::string& name) { return standin::library("plugins/" + name + ".so"); }
 
-std::string noted(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
+std::string note_of(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
 
 // Expects that the program prints one line on stderr and does not start.
 void expect_one_line(const std::string& program, const std::vector<std::string>& arguments, const std::string& says) {
@@ -70,7 +70,7 @@ TEST(Plugins, ASceneThatNamesOneIsOneLineAndNoStartUnlessItIsAllowed) {
 struct Row {
   double t_s;
   double wanted_n;
-  bool is_driven;
+  bool has_written_force;
 };
 std::vector<Row> read_rows(const std::filesystem::path& csv) {
   std::istringstream text(read_text(csv));
@@ -81,14 +81,14 @@ std::vector<Row> read_rows(const std::filesystem::path& csv) {
   for (std::string name; std::getline(header, name, ',');) names.push_back(name);
   std::vector<Row> rows;
   while (std::getline(text, line)) {
-    Row row = {.t_s = 0.0, .wanted_n = std::nan(""), .is_driven = false};
+    Row row = {.t_s = 0.0, .wanted_n = std::nan(""), .has_written_force = false};
     std::istringstream cells(line);
     std::string cell;
     for (std::size_t n = 0; n < names.size() && std::getline(cells, cell, ','); ++n) {
       const double value = cell.empty() ? std::nan("") : std::atof(cell.c_str());
       if (names[n] == "t_s") row.t_s = value;
       if (names[n] == "wanted_x_n") row.wanted_n = value;
-      if (names[n].starts_with("written_") && names[n].ends_with("_n") && value != 0.0) row.is_driven = true;
+      if (names[n].starts_with("written_") && names[n].ends_with("_n") && value != 0.0) row.has_written_force = true;
     }
     rows.push_back(row);
   }
@@ -106,12 +106,12 @@ void expect_force_ends(const std::string& does) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no force";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no force";
   ASSERT_TRUE(
       System::wait_until([&] { return !system["haptics_node"].is_running() || count(system.request_report(), "command_timeouts") > 0; }));
-  ASSERT_TRUE(observer.see_until(false, state)) << "the force goes on";
+  ASSERT_TRUE(observer.wait_for_no_force(state)) << "the force goes on";
   const std::uint64_t first = state.sample;
-  while (state.sample < first + 200) ASSERT_TRUE(observer.see(state));
+  while (state.sample < first + 200) ASSERT_TRUE(observer.receive_state(state));
   system["haptics_node"].kill();
   system.end("io_node");
   const Ended exported =
@@ -120,12 +120,12 @@ void expect_force_ends(const std::string& does) {
   const std::vector<Row> rows = read_rows(scratch.path() / "table" / "session.csv");
   const auto last = std::find_if(rows.rbegin(), rows.rend(), [](const Row& row) { return !std::isnan(row.wanted_n); });
   ASSERT_NE(last, rows.rend());
-  std::size_t silent = 0;
+  std::size_t cycles_after_timeout = 0;
   for (const Row& row : rows) {
-    if (row.t_s <= last->t_s + 0.02 || ++silent <= 2) continue;
-    EXPECT_FALSE(row.is_driven) << 1e3 * (row.t_s - last->t_s) << " ms after the last sample that got a reply";
+    if (row.t_s <= last->t_s + 0.02 || ++cycles_after_timeout <= 2) continue;
+    EXPECT_FALSE(row.has_written_force) << 1e3 * (row.t_s - last->t_s) << " ms after the last sample that got a reply";
   }
-  EXPECT_GT(silent, 10U);
+  EXPECT_GT(cycles_after_timeout, 10U);
 }
 
 TEST(Plugins, OneThatNeverReturnsLeavesNoForceOnTheMotors) { expect_force_ends("forever"); }
@@ -138,8 +138,9 @@ struct RecordedPlugins : testing::Test {
 
   // Runs until the reported method contains this text and more than 300 samples were felt.
   Json run_until(const std::string& method_has) {
-    return system.wait_for_report(
-        [&](const Json& now) { return noted(now, "method").find(method_has) != std::string::npos && count(now, "contact_samples") > 300; });
+    return system.wait_for_report([&](const Json& now) {
+      return note_of(now, "method").find(method_has) != std::string::npos && count(now, "contact_samples") > 300;
+    });
   }
   Ended replay(std::vector<std::string> words) {
     words.insert(words.begin(), {"session", "replay", file});
@@ -153,10 +154,10 @@ struct RecordedPlugins : testing::Test {
 
 TEST_F(RecordedPlugins, ASessionWithAnEffectIsReplayedWithTheSameFileOnly) {
   const std::string effect = plugin("odd_effect") + ":does=copy";
-  system.add_arguments("haptics_node", {"--effect", effect, "--plugin-budget", kAmpleUs});
+  system.add_arguments("haptics_node", {"--effect", effect, "--plugin-budget", kAmpleBudgetUs});
   system.start("io_node");
   system.start("haptics_node");
-  EXPECT_THAT(noted(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
+  EXPECT_THAT(note_of(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
   system.end_all();
   const Ended same = replay({"--effect", effect});
   EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
@@ -170,10 +171,10 @@ TEST_F(RecordedPlugins, ASessionWithAnEffectIsReplayedWithTheSameFileOnly) {
 TEST_F(RecordedPlugins, ASceneWithOneIsFeltAndReplayedAsIfTheCommandLineHadNamedIt) {
   std::ofstream(system.folder() / "cube.toml", std::ios::app)
       << "[[effect]]\ntype = \"plugin\"\nlibrary = \"" << plugin("odd_effect") << "\"\nparameters = { does = \"copy\", n = 0.5 }\n";
-  system.add_arguments("haptics_node", {"--allow-plugins", "--plugin-budget", kAmpleUs});
+  system.add_arguments("haptics_node", {"--allow-plugins", "--plugin-budget", kAmpleBudgetUs});
   system.start("io_node");
   system.start("haptics_node");
-  EXPECT_THAT(noted(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
+  EXPECT_THAT(note_of(run_until(" effects="), "method"), HasSubstr("effects=odd_one@"));
   system.end_all();
   const Ended same = replay({"--effect", plugin("odd_effect") + ":does=copy,n=0.5"});
   EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
@@ -184,12 +185,12 @@ TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {
   // The path goes beside the cube, through the floor that the method has.
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.01,0.06\n0.5,0.01,-0.002,0.06\n1,0.01,0.01,0.06\n";
   const std::string method = plugin("odd_method");
-  system.add_arguments("haptics_node", {"--method", method, "--plugin-budget", kAmpleUs});
+  system.add_arguments("haptics_node", {"--method", method, "--plugin-budget", kAmpleBudgetUs});
   system.start("io_node");
   system.start("haptics_node");
-  const Json felt = run_until("name=plugin:floor@");
-  ASSERT_THAT(noted(felt, "method"), HasSubstr("name=plugin:floor@"));
-  EXPECT_GT(count(felt, "contact_samples"), 300);
+  const Json report = run_until("name=plugin:floor@");
+  ASSERT_THAT(note_of(report, "method"), HasSubstr("name=plugin:floor@"));
+  EXPECT_GT(count(report, "contact_samples"), 300);
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"--stiffness", "400"}, {"--method", "proxy"}, {"--method", "plugin"}, {"--method", "sweep"}}) {
     const Ended done = set(words);
@@ -206,10 +207,10 @@ TEST_F(RecordedPlugins, AMethodFromAFileIsSwitchedTunedAndReplayed) {
 TEST_F(RecordedPlugins, ABadOneIsNamedInLogReportAndRecordingAndTheOthersGoOn) {
   const std::string bad = plugin("odd_effect") + ":does=exception,after=300";
   system.add_arguments("haptics_node",
-                       {"--effect", plugin("odd_effect") + ":n=0.5", "--effect", bad, "--watch-scene", "--plugin-budget", kAmpleUs});
+                       {"--effect", plugin("odd_effect") + ":n=0.5", "--effect", bad, "--watch-scene", "--plugin-budget", kAmpleBudgetUs});
   system.start("io_node");
   system.start("haptics_node");
-  ASSERT_THAT(noted(run_until("!cut"), "method"), HasSubstr("!cut"));
+  ASSERT_THAT(note_of(run_until("!cut"), "method"), HasSubstr("!cut"));
   EXPECT_EQ(set({"--stiffness", "500"}).exit_code, 0);
   EXPECT_EQ(set({"--method", "sweep"}).exit_code, 0);
   std::ofstream(system.folder() / "cube.toml", std::ios::app) << "material = \"soft\"\n[material.soft]\nstiffness_n_per_m = 300\n";
@@ -238,7 +239,7 @@ TEST(Plugins, AnEffectActsBesideARigidTool) {
   EXPECT_TRUE(System::wait_until([&] {
     io.send_signal(SIGUSR1);
     const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
-    return report.is_object() && noted(report, "method").find("name=tool") == 0 && count(report, "contact_samples") > 100;
+    return report.is_object() && note_of(report, "method").find("name=tool") == 0 && count(report, "contact_samples") > 100;
   })) << haptics.err();
   for (Program* program : {&haptics, &io}) {
     program->send_signal(SIGTERM);
@@ -262,7 +263,7 @@ TEST(Plugins, ADeviceFromAFileIsDrivenAndItsFaultLatched) {
   EXPECT_TRUE(System::wait_until([&] {
     io.send_signal(SIGUSR1);
     const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
-    fault = report.is_object() ? noted(report, "safety_fault") : "";
+    fault = report.is_object() ? note_of(report, "safety_fault") : "";
     return !fault.empty() && fault != "none";
   })) << io.err();
   io.send_signal(SIGTERM);

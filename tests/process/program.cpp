@@ -60,11 +60,11 @@ Program::Program(const std::string& name, const std::vector<std::string>& argume
   std::vector<char*> argv = {path.data()};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  std::string shown = "DISPLAY=" + display;
-  std::string runtime = "XDG_RUNTIME_DIR=" + folder.string();
+  std::string display_variable = "DISPLAY=" + display;
+  std::string runtime_variable = "XDG_RUNTIME_DIR=" + folder.string();
   std::vector<char*> environment = environment_without({"DISPLAY", "XDG_RUNTIME_DIR"});
-  environment.push_back(runtime.data());
-  if (!display.empty()) environment.push_back(shown.data());
+  environment.push_back(runtime_variable.data());
+  if (!display.empty()) environment.push_back(display_variable.data());
   environment.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;

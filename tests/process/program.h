@@ -26,7 +26,7 @@ struct Ended {
   std::string err;
 };
 
-// One of our programs, running. It ends with this object at the latest: then it is killed.
+// One of our programs, running. If it still runs when this object is destroyed, it is killed.
 class Program {
  public:
   // Starts build/.../bin/NAME, or NAME itself if it is an absolute path, with its output going to files in folder (NAME.<n>.out,

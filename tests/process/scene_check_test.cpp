@@ -35,7 +35,7 @@ TEST(SceneCheck, TheReportSaysWhatIsTouched) {
   system.end("io_node");
 }
 
-TEST(SceneCheck, ASceneOutOfReachIsSaid) {
+TEST(SceneCheck, ASceneOutOfReachIsReported) {
   System system;
   system.start("io_node");
   std::ofstream(system.folder() / "far.obj") << "v 9 9 9\nv 9.1 9 9\nv 9 9.1 9\nf 1 2 3\n";

@@ -13,13 +13,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// The hand goes to p_WH and stays there until the program has printed `said`.
-bool touches(SessionObserver& hand, const Vec3& p_WH, Program& program, const std::string& said) {
-  hand.hold_hand(p_WH);
+// The hand goes to p_WH and stays there until the program has printed `expected`.
+bool touches(SessionObserver& hand, const Vec3& p_WH, Program& program, const std::string& expected) {
+  hand.lead_hand(p_WH);
   const std::int64_t end_ns = hand.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
   ProbeState state;
-  while (hand.now_ns() < end_ns && hand.see(state)) {
-    if (program.out().find(said) != std::string::npos) return true;
+  while (hand.now_ns() < end_ns && hand.receive_state(state)) {
+    if (program.out().find(expected) != std::string::npos) return true;
   }
   return false;
 }
@@ -33,15 +33,15 @@ TEST(ScreenCommand, TouchedCornersGiveTheScreen) {
   system.start("io_node");
   SessionObserver hand(system);
   ProbeState state;
-  ASSERT_TRUE(hand.see(state));
+  ASSERT_TRUE(hand.receive_state(state));
   Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());
   ASSERT_TRUE(touches(hand, Vec3(0.0, 0.0, 0.05), program, "1 of 4: the lower left corner\n")) << program.err();
   const std::array<Vec3, 4> corners = {Vec3(-0.08, -0.05, -0.04), Vec3(0.08, -0.05, -0.04), Vec3(0.08, 0.05, -0.04),
                                        Vec3(-0.08, 0.05, -0.04)};
-  const std::array<std::string, 4> said = {"2 of 4: the lower right corner\n", "3 of 4: the upper right corner\n",
-                                           "4 of 4: the upper left corner\n", "vision_node --screen " + file + "\n"};
+  const std::array<std::string, 4> expected = {"2 of 4: the lower right corner\n", "3 of 4: the upper right corner\n",
+                                               "4 of 4: the upper left corner\n", "vision_node --screen " + file + "\n"};
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    ASSERT_TRUE(touches(hand, corners[i], program, said[i])) << program.out() << program.err();
+    ASSERT_TRUE(touches(hand, corners[i], program, expected[i])) << program.out() << program.err();
   }
   const auto ended = program.wait(kPatience);
   ASSERT_TRUE(ended);
@@ -61,7 +61,7 @@ TEST(ScreenCommand, AStopWritesNothing) {
   system.start("io_node");
   SessionObserver hand(system);
   ProbeState state;
-  ASSERT_TRUE(hand.see(state));
+  ASSERT_TRUE(hand.receive_state(state));
   Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());
   ASSERT_TRUE(System::wait_until([&] { return program.out().find("1 of 4") != std::string::npos; })) << program.err();
   program.send_signal(SIGINT);

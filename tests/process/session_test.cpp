@@ -36,11 +36,11 @@ struct Sessions : testing::Test {
     system.start("haptics_node");
     SessionObserver observer(system);
     ProbeState state;
-    ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+    ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
     system["haptics_node"].kill();
-    ASSERT_TRUE(observer.see_until(false, state));
+    ASSERT_TRUE(observer.wait_for_no_force(state));
     system.start("haptics_node");
-    ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
+    ASSERT_TRUE(observer.wait_for_force(state)) << "no contact after the restart";
     system.end_all();
   }
 };
@@ -68,13 +68,13 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
   for (const char* method : {"smooth", "proxy"}) {
     const auto requested = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
     ASSERT_TRUE(requested);
     ASSERT_EQ(requested->exit_code, 0) << requested->err;
     const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
-    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
+    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.receive_state(state));
   }
   system.end("haptics_node");
   system.end("io_node");
@@ -94,10 +94,10 @@ TEST_F(Sessions, MaterialsThatChangeInContactAreReplayedToo) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
   const auto feel_for_a_second = [&] {
     const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
-    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
+    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.receive_state(state));
   };
   const Ended all = set({"--stiffness", "400", "--damping", "0.5"});
   EXPECT_EQ(all.exit_code, 0) << all.err;
@@ -147,9 +147,9 @@ TEST_F(Sessions, ARecordingOfANodeThatWasKilledHasNoEndAndIsReadToItsLastEntry) 
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
   const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
-  while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
+  while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.receive_state(state));
   system["io_node"].kill();
   const Ended replayed = session({"replay", file.string()});
   EXPECT_EQ(replayed.exit_code, 1) << replayed.out;
@@ -171,7 +171,7 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   ProbeState state;
   const std::filesystem::path flights = system.folder() / "out/flight";
   std::filesystem::path record;
-  const auto has_come = [&] {
+  const auto has_flight_record = [&] {
     std::error_code not_there_yet;
     for (const auto& entry : std::filesystem::directory_iterator(flights, not_there_yet)) {
       if (entry.path().filename().string().ends_with("-command-timeout.hapton")) record = entry.path();
@@ -181,9 +181,9 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   // No flight record is written for ten seconds after another one, such as that of a machine that stood still: then the test tries again.
   for (int attempt = 0; attempt < 3 && record.empty(); ++attempt) {
     system.start("haptics_node");
-    ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+    ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
     system["haptics_node"].kill();
-    System::wait_until(has_come);
+    System::wait_until(has_flight_record);
   }
   ASSERT_FALSE(record.empty());
   const Ended text = session({"info", record.string()});

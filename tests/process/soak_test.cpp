@@ -23,7 +23,7 @@ constexpr bool kCanCheckMemory = true;
 #endif
 
 // Rate and drift are not checked here: this machine may be busy.
-bool is_compared(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kCanCheckMemory); }
+bool is_checked(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kCanCheckMemory); }
 
 // The process ID of the child with this name; -1 if there is none.
 pid_t find_child(pid_t parent, const std::string& name) {
@@ -49,13 +49,13 @@ TEST(Soak, AMinuteKeepsMemoryDescriptorsAndThreadsAndLosesNoForce) {
   EXPECT_EQ(soak.at("schema"), "hapton.soak/1");
   EXPECT_EQ(soak.at("looks"), 30);
   EXPECT_EQ(soak.at("counters").at("lost"), 0);
-  int compared = 0;
+  int checked = 0;
   for (const Json& finding : soak.at("findings")) {
-    if (!is_compared(finding.at("what"))) continue;
-    ++compared;
+    if (!is_checked(finding.at("what"))) continue;
+    ++checked;
     EXPECT_TRUE(finding.at("flat").get<bool>()) << finding;
   }
-  EXPECT_EQ(compared, kCanCheckMemory ? 8 : 6);  // the run, lost forces; memory, descriptors and threads of two processes
+  EXPECT_EQ(checked, kCanCheckMemory ? 8 : 6);  // the run, lost forces; memory, descriptors and threads of two processes
   EXPECT_EQ(ended->exit_code, soak.at("flat").get<bool>() ? 0 : 1) << ended->err;
   // Part of the run is in contact: a force that is always zero would prove little.
   const std::string table = read_text(folder.path() / "soak" / "soak.csv");

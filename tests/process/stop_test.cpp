@@ -42,23 +42,23 @@ bool has_loaded(const Program& node) { return node.err().find("proxy:") != std::
 TEST(Stopping, WhileItLoadsItsSceneEndsInOrder) {
   const TestFolder folder;
   write_large_mesh(folder.path() / "large.obj");
-  // On a busy machine the test may look too late: then it starts another node.
-  bool seen_while_loading = false;
-  for (int attempt = 0; attempt < 10 && !seen_while_loading; ++attempt) {
+  // On a busy machine the test may be too late for one node: then it starts another.
+  bool was_loading = false;
+  for (int attempt = 0; attempt < 10 && !was_loading; ++attempt) {
     Program node("haptics_node", {"--scene", (folder.path() / "large.obj").string()}, folder.path());
     while (node.is_running() && !catches_sigterm(node.pid()) && !has_loaded(node))
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     node.send_signal(SIGTERM);
-    seen_while_loading = !has_loaded(node);
+    was_loading = !has_loaded(node);
     const auto ended = node.wait(kPatience);
     ASSERT_TRUE(ended) << "still runs";
     EXPECT_EQ(ended->exit_code, 0) << ended->err;
   }
-  EXPECT_TRUE(seen_while_loading);
+  EXPECT_TRUE(was_loading);
 }
 
 // As `io_node 2>&1 | tee log` after tee has ended: the end of the program that reads the node's output must not end the force.
-TEST(Stopping, ANodeOutlivesWhoReadsItsOutput) {
+TEST(Stopping, ANodeOutlivesTheProgramThatReadsItsOutput) {
   const TestFolder folder;
   const std::string code = (folder.path() / "code").string();
   // Requests enough reports to fill more than one buffer of the output.

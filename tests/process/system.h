@@ -50,7 +50,7 @@ class System {
   std::filesystem::path relay_report_path() const { return folder_.path() / "relay.json"; }
 
   // Arguments that are added to those of a program that is started from now on.
-  void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { more_[name] = arguments; }
+  void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { extra_arguments_[name] = arguments; }
 
   // Requests the I/O node's report so far; null if none comes.
   Json request_report() {
@@ -107,18 +107,19 @@ class System {
     if (name == "io_node") {
       std::vector<std::string> arguments = {"--bind", hub_, "--out", folder + "/out"};
       arguments.insert(arguments.end(), io_options_.begin(), io_options_.end());
-      if (std::find(io_options_.begin(), io_options_.end(), "--device") != io_options_.end()) return with_more(name, std::move(arguments));
+      if (std::find(io_options_.begin(), io_options_.end(), "--device") != io_options_.end())
+        return with_extra_arguments(name, std::move(arguments));
       for (const char* word : {"--device", "replay", "--loop", "--trajectory"}) arguments.emplace_back(word);
       arguments.push_back(folder + "/taps.csv");
-      return with_more(name, std::move(arguments));
+      return with_extra_arguments(name, std::move(arguments));
     }
     std::vector<std::string> arguments = {"--hub", nodes_hub_, "--scene", folder + "/cube.toml"};
     if (name == "vision_node") arguments.insert(arguments.end(), {"--size", "320x240"});
-    return with_more(name, std::move(arguments));
+    return with_extra_arguments(name, std::move(arguments));
   }
 
-  std::vector<std::string> with_more(const std::string& name, std::vector<std::string> arguments) const {
-    if (const auto more = more_.find(name); more != more_.end())
+  std::vector<std::string> with_extra_arguments(const std::string& name, std::vector<std::string> arguments) const {
+    if (const auto more = extra_arguments_.find(name); more != extra_arguments_.end())
       arguments.insert(arguments.end(), more->second.begin(), more->second.end());
     return arguments;
   }
@@ -127,7 +128,7 @@ class System {
   std::string hub_ = "127.0.0.1:" + find_free_port();
   std::string nodes_hub_ = hub_;  // where the nodes look for the hub
   std::vector<std::string> io_options_;
-  std::map<std::string, std::vector<std::string>> more_;
+  std::map<std::string, std::vector<std::string>> extra_arguments_;
   std::unique_ptr<VirtualDisplay> display_;
   std::map<std::string, std::unique_ptr<Program>> programs_;
 };
@@ -153,7 +154,7 @@ class SessionObserver {
         sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::vision), hub_) {}
 
   // The next probe state; false when none comes in time.
-  bool see(ProbeState& state) {
+  bool receive_state(ProbeState& state) {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
     Datagram datagram;
     while (clock_.now_ns() < end_ns) {
@@ -165,40 +166,43 @@ class SessionObserver {
         client_.send(FrameAck{.echo_sample = probe->sample,
                               .echo_sample_time_ns = probe->sample_time_ns,
                               .frame_rate_hz = 60.0F,
-                              .every_sample = hand_.active});
-        if (hand_.active) client_.send(hand_);
+                              .every_sample = hand_target_.active});
+        if (hand_target_.active) client_.send(hand_target_);
         return true;
       }
     }
     return false;
   }
 
-  // Receives until there is a force, or with force = false until there is none; returns false if that does not happen in time.
-  bool see_until(bool force, ProbeState& state) {
-    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
-    while (clock_.now_ns() < end_ns && see(state)) {
-      if ((state.force_n.norm() > 0.0) == force) return true;
-    }
-    return false;
-  }
+  // Receive until there is a force, or none; false if that does not happen in time.
+  bool wait_for_force(ProbeState& state) { return receive_until(true, state); }
+  bool wait_for_no_force(ProbeState& state) { return receive_until(false, state); }
 
-  // Sets where the hand of a simulated device is from now on.
-  void hold_hand(const Vec3& p_WH, std::uint32_t buttons = 0) { hand_ = {.active = true, .p_WH = p_WH, .buttons = buttons}; }
+  // Leads the hand of a simulated device to p_WH; it stays there until the next call.
+  void lead_hand(const Vec3& p_WH, std::uint32_t buttons = 0) { hand_target_ = {.active = true, .p_WH = p_WH, .buttons = buttons}; }
   void send(const Message& message) { client_.send(message); }
   // The newest pose that was received, of any object.
   const ObjectPose& object_pose() const { return object_pose_; }
 
   std::int64_t now_ns() const { return clock_.now_ns(); }
-  std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last probe state that was seen
+  std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last probe state that was received
 
  private:
+  bool receive_until(bool has_force, ProbeState& state) {
+    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    while (clock_.now_ns() < end_ns && receive_state(state)) {
+      if ((state.force_n.norm() > 0.0) == has_force) return true;
+    }
+    return false;
+  }
+
   SteadyClock clock_;
   Address hub_;
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
   std::int64_t sent_ns_ = 0;
-  HandTarget hand_;
+  HandTarget hand_target_;
   ObjectPose object_pose_;
 };
 

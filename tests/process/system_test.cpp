@@ -50,7 +50,7 @@ std::string order_name(const ::testing::TestParamInfo<std::vector<std::string>>&
 INSTANTIATE_TEST_SUITE_P(All, JoiningOrder, ::testing::ValuesIn(all_orders()), order_name);
 
 // Reads the number in a line such as "haptics_node: 1983 samples with a reply, ..."; -1: there is no such line.
-std::int64_t replied_by(Program& haptics_node) {
+std::int64_t read_reply_count(Program& haptics_node) {
   const std::string out = haptics_node.out();
   const std::size_t at = out.find("haptics_node: ");
   return at == std::string::npos ? -1 : std::stoll(out.substr(at + std::string("haptics_node: ").size()));
@@ -87,7 +87,7 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
   EXPECT_GE(static_cast<double>(count(report, "samples")), 500.0 * seconds)
       << "less than half of the rate: the machine is overloaded or the loop is broken";
-  const std::int64_t replied = replied_by(system["haptics_node"]);
+  const std::int64_t replied = read_reply_count(system["haptics_node"]);
   EXPECT_GE(replied, count(report, "forces"));
   EXPECT_LE(replied, count(report, "states_sent"));
   EXPECT_GE(count(report, "forces"), 9 * replied / 10) << "loopback loses no force";
@@ -110,27 +110,27 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
   system.start("haptics_node");
   SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact";
 
   system["haptics_node"].kill();
   const std::int64_t killed_ns = observer.now_ns();
   // The last force is for a sample before this moment, and ends 20 ms after that sample. Another 20 ms are for a busy machine.
   const std::int64_t silent_ns = killed_ns + 40 * kNanosecondsPerMillisecond;
-  int seen = 0;
-  while (observer.see(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
+  int checked_states = 0;
+  while (observer.receive_state(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
     if (state.sample_time_ns < silent_ns) continue;
-    ++seen;
+    ++checked_states;
     EXPECT_EQ(state.force_n, Vec3::Zero()) << 1e-6 * static_cast<double>(state.sample_time_ns - killed_ns) << " ms after the kill";
     EXPECT_FALSE(state.contact);
   }
-  EXPECT_GT(seen, 0);
+  EXPECT_GT(checked_states, 0);
 
   const Json alone = system.request_report();
   expect_sane(alone);
   EXPECT_GE(count(alone, "command_timeouts"), 1);
 
   system.start("haptics_node");
-  ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no contact after the restart";
   const Json again = system.request_report();
   expect_sane(again);
   EXPECT_GT(count(again, "contact_samples"), count(alone, "contact_samples"));
@@ -184,12 +184,12 @@ TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
   for (const std::string& node : kNodes) system.start(node);
   ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
   // Only what the nodes print from here on counts: they may have missed a hub that stood still for a moment before.
-  std::map<std::string, std::size_t> said;
-  for (const std::string& node : kNodes) said[node] = system[node].err().size();
+  std::map<std::string, std::size_t> printed_bytes;
+  for (const std::string& node : kNodes) printed_bytes[node] = system[node].err().size();
   system.end("io_node");
   for (const std::string& node : kNodes) {
     if (node == "io_node") continue;
-    const auto says = [&](const char* what) { return system[node].err().find(what, said[node]) != std::string::npos; };
+    const auto says = [&](const char* what) { return system[node].err().find(what, printed_bytes[node]) != std::string::npos; };
     EXPECT_TRUE(System::wait_until([&] { return says("the hub has ended its session"); })) << node << "\n" << system[node].err();
     EXPECT_FALSE(says("stopped replying")) << system[node].err();
     system.end(node);
@@ -251,10 +251,10 @@ TEST(Haptics, AnUnusableMethodIsRejectedWithItsReasonAtTheRequester) {
     EXPECT_NE(rejected->err.find("radius"), std::string::npos) << rejected->err;
     EXPECT_EQ(std::count(rejected->err.begin(), rejected->err.end(), '\n'), 1) << rejected->err;
   }
-  const auto taken = set("reference");
-  ASSERT_TRUE(taken);
-  EXPECT_EQ(taken->exit_code, 0) << taken->err;
-  EXPECT_NE(taken->out.find("method reference in use"), std::string::npos) << taken->out;
+  const auto accepted = set("reference");
+  ASSERT_TRUE(accepted);
+  EXPECT_EQ(accepted->exit_code, 0) << accepted->err;
+  EXPECT_NE(accepted->out.find("method reference in use"), std::string::npos) << accepted->out;
   system.end_all();
 }
 
@@ -266,9 +266,9 @@ TEST(Vision, KilledDisturbsNoOtherNode) {
   ASSERT_TRUE(is_complete(whole));
   system["vision_node"].kill();
   // On a machine that is too busy, other nodes may time out for a moment as well.
-  const auto misses_one = [&](const Json& report) { return count(report, "peers_timed_out") > count(whole, "peers_timed_out"); };
-  const Json gone = system.wait_for_report(misses_one);
-  EXPECT_TRUE(misses_one(gone));
+  const auto has_timed_out = [&](const Json& report) { return count(report, "peers_timed_out") > count(whole, "peers_timed_out"); };
+  const Json gone = system.wait_for_report(has_timed_out);
+  EXPECT_TRUE(has_timed_out(gone));
   const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(gone, "contact_samples") + 100; };
   EXPECT_TRUE(goes_on(system.wait_for_report(goes_on)));
 

@@ -59,8 +59,8 @@ std::string read_metrics(int port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   std::string received;
   if (::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    const std::string question = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
-    ::send(client, question.data(), question.size(), MSG_NOSIGNAL);
+    const std::string request = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    ::send(client, request.data(), request.size(), MSG_NOSIGNAL);
     char buffer[4096];
     for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;)
       received.append(buffer, static_cast<std::size_t>(bytes));

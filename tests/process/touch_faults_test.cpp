@@ -19,8 +19,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTopM = 0.05;     // height of the cube's top
-constexpr double kAboveM = 0.015;  // height above the top where the hand is free: when it starts, it comes down and swings 4 mm past this
+constexpr double kTopM = 0.05;  // height of the cube's top
+// A height above the top at which the hand is free: from where it starts it comes down, and swings 4 mm below this height.
+constexpr double kFreeHeightM = 0.015;
 
 // How io_node gets its forces, and through which network. With the round trip of kAutoFar, `auto` uses no remote force.
 struct TouchSetup {
@@ -48,25 +49,25 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
     start("haptics_node");
     observer.emplace(system);
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
-    press_on();
+    press_in();
     if (has_patches()) {
       ASSERT_TRUE(feels_patches(system)) << "no patches";
     }
     expect_felt();
   }
-  void press_on() {
-    observer->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
-    ASSERT_TRUE(observer->see_until(true, state)) << "no contact";
+  void press_in() {
+    observer->lead_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
+    ASSERT_TRUE(observer->wait_for_force(state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
   // As waits_for, but keeps the hand led: the hub leads it for only a second after the last message of the observer. Otherwise the hand
   // would rise, and a haptics node that joins while it is led down again would first meet it inside the cube, with no known contact.
-  bool waits_with_hand(const std::function<bool(const Json&)>& holds) {
-    return waits_for(system, [&](const Json& report) { return sees_newest() && holds(report); });
+  bool waits_while_leading(const std::function<bool(const Json&)>& holds) {
+    return waits_for(system, [&](const Json& report) { return receives_newest() && holds(report); });
   }
-  bool sees_newest() {
+  bool receives_newest() {
     const std::int64_t now_ns = observer->now_ns();
-    while (observer->see(state)) {
+    while (observer->receive_state(state)) {
       if (observer->sent_ns() >= now_ns) return true;
     }
     return false;
@@ -75,29 +76,29 @@ class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
   // The force ends, and does not come back by itself. A force from patches ends a second after the last message of the haptics node;
   // until then, a machine that stands still may interrupt it for a moment.
   void expect_released() {
-    const std::int64_t over_ns = observer->now_ns() + 5 * kNanosecondsPerSecond;
+    const std::int64_t deadline_ns = observer->now_ns() + 5 * kNanosecondsPerSecond;
     for (int released = 0; released < 300;) {
-      ASSERT_TRUE(observer->see(state));
+      ASSERT_TRUE(observer->receive_state(state));
       const bool is_released = state.force_n == Vec3::Zero() && !state.contact;
       released = is_released ? released + 1 : 0;
-      ASSERT_TRUE(is_released || state.sample_time_ns < over_ns) << "the force stays, or comes back: " << state.force_n.transpose();
+      ASSERT_TRUE(is_released || state.sample_time_ns < deadline_ns) << "the force stays, or comes back: " << state.force_n.transpose();
     }
   }
   // A force comes that fits the press of the hand: more than 0.2 N upwards, and within its limits.
   void expect_felt() {
     bool is_felt = false;
     for (const std::int64_t end_ns = observer->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && observer->now_ns() < end_ns;) {
-      ASSERT_TRUE(observer->see(state));
+      ASSERT_TRUE(observer->receive_state(state));
       is_felt = state.contact && state.force_n.z() > 0.2;
     }
     EXPECT_TRUE(is_felt) << "the hand is at " << state.p_WD.transpose() << "\n" << system["io_node"].err() << system["haptics_node"].err();
-    EXPECT_GT(expect_bounded(*observer, 0.5, Until::force).force, 0);
+    EXPECT_GT(expect_within_limits(*observer, 0.5, Until::force).forces, 0);
   }
   void expect_felt_again() {
     expect_felt();
     if (has_patches()) {
       const std::int64_t before = count(system.request_report(), "local_forces");
-      EXPECT_TRUE(waits_with_hand([&](const Json& report) { return count(report, "local_forces") > before + 100; }))
+      EXPECT_TRUE(waits_while_leading([&](const Json& report) { return count(report, "local_forces") > before + 100; }))
           << "patches do not take over again";
     }
     expect_felt();
@@ -132,23 +133,23 @@ TEST_P(FaultsInContact, NothingPullsAHandBackThatHasLeftMeanwhile) {
     const std::int64_t killed_ns = observer->now_ns();
     if (node == std::string("haptics_node")) {
       ASSERT_NO_FATAL_FAILURE(expect_released());
-      observer->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
-      ASSERT_TRUE(System::wait_until([&] { return observer->see(state) && state.p_WD.z() > kTopM + kAboveM - 0.0005; }));
+      observer->lead_hand(Vec3(0.01, 0.02, kTopM + kFreeHeightM));
+      ASSERT_TRUE(System::wait_until([&] { return observer->receive_state(state) && state.p_WD.z() > kTopM + kFreeHeightM - 0.0005; }));
     }
     start(node);
     const std::int64_t before = node == std::string("haptics_node") ? count(system.request_report(), "forces") : 0;
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > before + 20; }));
-    observer->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
+    observer->lead_hand(Vec3(0.01, 0.02, kTopM + kFreeHeightM));
     for (int n = 0; n < 300; ++n) {
       do {  // what the hub sent before it was killed may still be queued
-        ASSERT_TRUE(observer->see(state));
+        ASSERT_TRUE(observer->receive_state(state));
       } while (state.sample_time_ns < killed_ns);
       ASSERT_EQ(state.force_n, Vec3::Zero()) << node << ": sample " << state.sample << ", hand at " << state.p_WD.transpose() << ", " << n
                                              << " seen, " << 1e-6 * static_cast<double>(state.sample_time_ns - killed_ns)
                                              << " ms after it was killed";
       ASSERT_FALSE(state.contact);
     }
-    ASSERT_NO_FATAL_FAILURE(press_on());
+    ASSERT_NO_FATAL_FAILURE(press_in());
     expect_felt();
   }
   system.end_all();
@@ -176,17 +177,17 @@ TEST_P(FaultsInContact, TheNetworkCutLeavesNoForceAndBringsItBack) {
 TEST_P(FaultsInContact, ASecondHapticsNodeTakesOver) {
   ASSERT_NO_FATAL_FAILURE(press());
   const auto second = system.start_another("haptics_node");
-  ASSERT_TRUE(waits_with_hand([](const Json& report) { return count(report, "joins_rejected") > 0; }));
+  ASSERT_TRUE(waits_while_leading([](const Json& report) { return count(report, "joins_rejected") > 0; }));
   expect_felt();
   system["haptics_node"].kill();
-  ASSERT_TRUE(System::wait_until([&] { return sees_newest() && second->err().find("joined the hub") != std::string::npos; }));
+  ASSERT_TRUE(System::wait_until([&] { return receives_newest() && second->err().find("joined the hub") != std::string::npos; }));
   expect_felt_again();
   EXPECT_FALSE(HasFailure()) << second->err();
   second->send_signal(SIGTERM);
   EXPECT_TRUE(second->wait(kPatience));
 }
 
-TEST_P(FaultsInContact, TheHubKilledAndRestartedIsFelt) {
+TEST_P(FaultsInContact, TheForceReturnsAfterTheHubIsKilledAndRestarted) {
   ASSERT_NO_FATAL_FAILURE(press());
   system["io_node"].kill();
   start("io_node");
@@ -194,7 +195,7 @@ TEST_P(FaultsInContact, TheHubKilledAndRestartedIsFelt) {
   system.end_all();
 }
 
-TEST_P(FaultsInContact, TheHubFrozenAndContinuedIsFelt) {
+TEST_P(FaultsInContact, TheForceReturnsAfterTheHubIsFrozenAndContinued) {
   ASSERT_NO_FATAL_FAILURE(press());
   SteadyClock clock;
   for (const int ms : {50, 1500}) {
@@ -215,7 +216,7 @@ TEST_P(FaultsInContact, AMovedSceneIsFeltWhereItIs) {
   bool is_there = false;
   for (int n = 0; n < 20'000 && !is_there; ++n) {
     if (n % 100 == 0) observer->send(view);
-    ASSERT_TRUE(observer->see(state));
+    ASSERT_TRUE(observer->receive_state(state));
     is_there = state.contact && state.view_revision == 5 && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
   }
   EXPECT_TRUE(is_there) << state.p_WD.z() + state.visual_offset_m.z();
@@ -241,7 +242,7 @@ TEST_P(FaultsInContact, ASceneThatIsSavedAgainIsFelt) {
   save("");
   bool is_lower = false;
   for (int n = 0; n < 20'000 && !is_lower; ++n) {
-    ASSERT_TRUE(observer->see(state));
+    ASSERT_TRUE(observer->receive_state(state));
     is_lower = state.contact && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM + 0.0005) < 1e-6;
   }
   EXPECT_TRUE(is_lower) << state.p_WD.z() + state.visual_offset_m.z() << system["haptics_node"].err();
@@ -269,16 +270,16 @@ void PrintTo(const TouchSetup& setup, std::ostream* out) { *out << setup.name; }
 INSTANTIATE_TEST_SUITE_P(All, FaultsInContact, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
                          [](const auto& setup) { return setup.param.name; });
 
-// What patches cannot hold is still felt, with forces from the haptics node, and a line says why.
-struct Unserved {
+// A scene or options that patches do not support: the force comes from the haptics node, and a line says why.
+struct RemoteOnly {
   std::string name;
   std::string scene;
   std::vector<std::string> haptics;
   std::string line;
 };
-void PrintTo(const Unserved& unserved, std::ostream* out) { *out << unserved.name; }
+void PrintTo(const RemoteOnly& remote_only, std::ostream* out) { *out << remote_only.name; }
 
-class TouchUnserved : public ::testing::TestWithParam<Unserved> {};
+class TouchUnserved : public ::testing::TestWithParam<RemoteOnly> {};
 
 TEST_P(TouchUnserved, IsFeltFromTheHapticsNodeAndALineSaysWhy) {
   System system({"--touch", "patch"});
@@ -298,14 +299,14 @@ TEST_P(TouchUnserved, IsFeltFromTheHapticsNodeAndALineSaysWhy) {
 const std::string kPlainScene = "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\n";
 INSTANTIATE_TEST_SUITE_P(
     All, TouchUnserved,
-    ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: this node computes the forces"},
-                      Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is not proxy: this node computes"},
-                      Unserved{"Clay",
-                               kPlainScene + "sculpt = true\nvoxel_mm = 2.0\ntool_radius_mm = 4.0\n",
-                               {},
-                               "but objects of the scene can be carved: this node computes"},
-                      Unserved{"Effects", kPlainScene + many_effects(), {}, "but the scene has more than 256 effects in free space"}),
-    [](const auto& unserved) { return unserved.param.name; });
+    ::testing::Values(RemoteOnly{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: this node computes the forces"},
+                      RemoteOnly{"Method", kPlainScene, {"--method", "sweep"}, "but the method is not proxy: this node computes"},
+                      RemoteOnly{"Clay",
+                                 kPlainScene + "sculpt = true\nvoxel_mm = 2.0\ntool_radius_mm = 4.0\n",
+                                 {},
+                                 "but objects of the scene can be carved: this node computes"},
+                      RemoteOnly{"Effects", kPlainScene + many_effects(), {}, "but the scene has more than 256 effects in free space"}),
+    [](const auto& remote_only) { return remote_only.param.name; });
 
 // Over a slow and lossy network a hand moves the cube 20 mm aside. Forces from patches are felt where the cube lies, before and after.
 TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
@@ -320,38 +321,38 @@ TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
   ProbeState state;
   const auto sees = [&](const auto& holds) {
     const std::int64_t end_ns = observer.now_ns() + std::int64_t(1e9 * kPatience.count());
-    while (observer.now_ns() < end_ns && observer.see(state)) {
+    while (observer.now_ns() < end_ns && observer.receive_state(state)) {
       if (holds()) return true;
     }
     return false;
   };
   const auto touches = [&] { return state.contact && state.force_n.z() > 0.2; };
-  int at_rest = 0;
+  int samples_at_rest = 0;
   Vec3 before = Vec3::Zero();
   const auto rests = [&] {
-    at_rest = (std::exchange(before, state.p_WD) - state.p_WD).norm() < 2e-5 ? at_rest + 1 : 0;
-    return at_rest > 100;
+    samples_at_rest = (std::exchange(before, state.p_WD) - state.p_WD).norm() < 2e-5 ? samples_at_rest + 1 : 0;
+    return samples_at_rest > 100;
   };
   ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
   const Vec3 on_it(0.01, 0.02, kTopM - 0.0025);
   const Vec3 aside(0.02, 0.0, 0.0);
-  observer.hold_hand(on_it);
+  observer.lead_hand(on_it);
   ASSERT_TRUE(sees(touches)) << system["haptics_node"].err();
   ASSERT_TRUE(feels_patches(system));
   ASSERT_TRUE(sees(rests));
-  observer.hold_hand(on_it, 1);
+  observer.lead_hand(on_it, 1);
   ASSERT_TRUE(sees([&] { return observer.object_pose().is_held; })) << system["haptics_node"].err();
-  observer.hold_hand(on_it + aside, 1);
+  observer.lead_hand(on_it + aside, 1);
   ASSERT_TRUE(sees([&] { return rests() && (state.p_WD - on_it - aside).norm() < 0.001; })) << state.p_WD.transpose();
-  observer.hold_hand(on_it + aside);
+  observer.lead_hand(on_it + aside);
   ASSERT_TRUE(sees([&] { return !observer.object_pose().is_held && observer.object_pose().p_m.x() > 0.015; }));
   ASSERT_TRUE(sees([&] { return state.contact; })) << "where it was put down: " << state.p_WD.transpose();
   EXPECT_TRUE(feels_patches(system));
-  observer.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
+  observer.lead_hand(on_it + aside - Vec3(0, 0, 0.002));
   ASSERT_TRUE(sees(touches)) << state.p_WD.transpose();
   // The hand goes beside the cube, to where the cube was before.
   const Vec3 beside(-0.045, 0.02, kTopM - 0.01);
-  observer.hold_hand(beside);
+  observer.lead_hand(beside);
   EXPECT_TRUE(sees([&] { return (state.p_WD - beside).norm() < 0.001 && !state.contact && state.force_n.isZero(0.0); }))
       << state.p_WD.transpose() << ": " << state.force_n.transpose();
   EXPECT_TRUE(feels_patches(system));

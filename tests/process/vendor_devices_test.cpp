@@ -82,8 +82,8 @@ TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   EXPECT_LE(board->largest_force, board->max_force_n);
 
   // On a machine that stands still, the device may have been disconnected for that reason: then it is pulled out again.
-  bool is_said = false;
-  for (int attempt = 0; attempt < 5 && !is_said; ++attempt) {
+  bool has_logged_error = false;
+  for (int attempt = 0; attempt < 5 && !has_logged_error; ++attempt) {
     board->is_plugged = 0;
     ASSERT_TRUE(System::wait_until([&] { return board->closed == board->opened; })) << io->err();
     EXPECT_TRUE(io->is_running());
@@ -91,12 +91,12 @@ TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
     const std::uint64_t closed = board->closed;
     board->is_plugged = 1;
     ASSERT_TRUE(System::wait_until([&] { return board->opened > closed; })) << io->err();
-    is_said = io->err().find("HD_COMM_ERROR (0x302)") != std::string::npos;
+    has_logged_error = io->err().find("HD_COMM_ERROR (0x302)") != std::string::npos;
     press();
     ASSERT_TRUE(System::wait_until([&] { return board->force[2] > 0.3; })) << io->err() << haptics->err();
     EXPECT_LE(board->largest_force, board->max_force_n);
   }
-  EXPECT_TRUE(is_said) << io->err();
+  EXPECT_TRUE(has_logged_error) << io->err();
   end();
   EXPECT_EQ(board->force[2], 0.0);
   EXPECT_EQ(board->opened, board->closed);

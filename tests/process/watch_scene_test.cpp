@@ -58,7 +58,7 @@ struct WatchedScene : testing::Test {
     });
   }
   // Ends vision_node, and counts the colours of its last picture.
-  std::array<std::size_t, 3> end_and_look(Program& vision) const {
+  std::array<std::size_t, 3> end_and_count_colours(Program& vision) const {
     vision.send_signal(SIGTERM);
     const auto ended = vision.wait(kPatience);
     EXPECT_TRUE(ended && ended->exit_code == 0) << vision.err();
@@ -93,7 +93,7 @@ TEST_F(WatchedScene, IsSeenAsItIsFelt) {
   save("color = [0, 0, 1]\nposition_m = [0.01, 0, 0]\n");
   EXPECT_TRUE(waits_for(haptics, "nothing that affects the forces has changed")) << haptics.err();
   EXPECT_TRUE(waits_for(vision, "was read again, and is shown", 2)) << vision.err();
-  const auto [red, green, blue] = end_and_look(vision);
+  const auto [red, green, blue] = end_and_count_colours(vision);
   EXPECT_GT(blue, 200U);
   EXPECT_LT(red, blue / 20);
   EXPECT_LT(green, blue / 20);
@@ -101,7 +101,7 @@ TEST_F(WatchedScene, IsSeenAsItIsFelt) {
 }
 
 // This haptics node does not watch the file: what is felt stays, and so does the picture.
-TEST_F(WatchedScene, WaitsForAHapticsNodeThatDoesNotTakeIt) {
+TEST_F(WatchedScene, IsShownOnlyOnceAHapticsNodeUsesIt) {
   save("color = [1, 0, 0]\n");
   Program haptics("haptics_node", arguments({}), system.folder());
   Program vision("vision_node", arguments(vision_arguments), system.folder(), display.name());
@@ -116,7 +116,7 @@ TEST_F(WatchedScene, WaitsForAHapticsNodeThatDoesNotTakeIt) {
   EXPECT_TRUE(haptics.wait(kPatience));
   Program later("haptics_node", arguments({}), system.folder());
   EXPECT_TRUE(waits_for(vision, "was read again, and is shown")) << vision.err();
-  const auto [red, green, blue] = end_and_look(vision);
+  const auto [red, green, blue] = end_and_count_colours(vision);
   EXPECT_GT(green, 200U);
   EXPECT_LT(red, green / 20);
 }

@@ -15,7 +15,7 @@ bool feels_patches(System& system) {
   return waits_for(system, [&](const Json& report) { return count(report, "local_forces") > before + 100; });
 }
 
-Watched expect_bounded(SessionObserver& observer, double seconds, Until until) {
+Watched expect_within_limits(SessionObserver& observer, double seconds, Until until) {
   Watched watched;
   ProbeState last;
   std::int64_t last_sent_ns = 0;
@@ -23,21 +23,21 @@ Watched expect_bounded(SessionObserver& observer, double seconds, Until until) {
   const std::int64_t begin_ns = observer.now_ns();
   const auto goes_on = [&] {
     const double passed_s = 1e-9 * static_cast<double>(observer.now_ns() - begin_ns);
-    const bool has_seen = (until == Until::force ? watched.force : watched.seen) > 0;
-    return passed_s < (has_seen ? seconds : seconds + kPatience.count());
+    const bool has_received = (until == Until::force ? watched.forces : watched.states) > 0;
+    return passed_s < (has_received ? seconds : seconds + kPatience.count());
   };
-  while (goes_on() && observer.see(state)) {
+  while (goes_on() && observer.receive_state(state)) {
     EXPECT_TRUE(state.force_n.allFinite());
     EXPECT_LE(state.force_n.norm(), kMaxForceN + 1e-9);
     // A state has the newest force, which was written a cycle after the state's sample, or later while replies are too old to be shown.
     const std::int64_t passed_ns = std::max(state.sample_time_ns - last.sample_time_ns, observer.sent_ns() - last_sent_ns);
     const double passed_s = 1e-9 * static_cast<double>(passed_ns) + 2e-3;
     const double risen_n = state.force_n.norm() - last.force_n.norm();
-    EXPECT_TRUE(watched.seen == 0 || risen_n <= kMaxSlewNPerS * passed_s) << risen_n << " N in " << passed_s << " s";
+    EXPECT_TRUE(watched.states == 0 || risen_n <= kMaxSlewNPerS * passed_s) << risen_n << " N in " << passed_s << " s";
     last = state;
     last_sent_ns = observer.sent_ns();
-    ++watched.seen;
-    watched.force += state.force_n.norm() > 0.0 ? 1 : 0;
+    ++watched.states;
+    watched.forces += state.force_n.norm() > 0.0 ? 1 : 0;
   }
   return watched;
 }

@@ -18,12 +18,13 @@ bool waits_for(System& system, const std::function<bool(const Json&)>& holds);
 // True if forces come from patches of the scene.
 bool feels_patches(System& system);
 
-// Expects the force to stay within its limits for this long, and longer if by then no state (seen) or no force (force) has been seen.
-enum class Until { seen, force };
+// How many probe states were received, and how many of them had a force.
 struct Watched {
-  int seen = 0;
-  int force = 0;
+  int states = 0;
+  int forces = 0;
 };
-Watched expect_bounded(SessionObserver& observer, double seconds, Until until = Until::seen);
+// Expects the force to stay within its limits for this long, and then until a state, or a state with a force, has been received.
+enum class Until { state, force };
+Watched expect_within_limits(SessionObserver& observer, double seconds, Until until = Until::state);
 
 }  // namespace hapton::process

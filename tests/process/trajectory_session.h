@@ -12,21 +12,22 @@
 
 namespace hapton::process {
 
-// A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
-struct LedHand {
-  // scene: a file of scenes/, or an absolute path. more: further arguments of io_node.
-  LedHand(const std::string& device, const std::string& way_csv, const std::string& scene, const std::vector<std::string>& more = {})
-      : io("io_node", io_arguments(device, way_csv, more), scratch.path()),
+// A recorded session of the real programs io_node and haptics_node, in which the hand of a simulated device follows a trajectory.
+struct TrajectorySession {
+  // scene: a file of scenes/, or an absolute path. further_arguments: of io_node.
+  TrajectorySession(const std::string& device, const std::string& trajectory_csv, const std::string& scene,
+                    const std::vector<std::string>& further_arguments = {})
+      : io("io_node", io_arguments(device, trajectory_csv, further_arguments), scratch.path()),
         haptics("haptics_node", {"--hub", hub, "--scene", (std::filesystem::path(HAPTON_SOURCE_DIR "/scenes") / scene).string()},
                 scratch.path()) {}
 
-  // Waits until this note of the report is above `least`.
-  testing::AssertionResult goes_above(const std::string& note, double least) {
+  // Waits until this note of the report is above `limit`.
+  testing::AssertionResult wait_for_note_above(const std::string& note, double limit) {
     if (System::wait_until([&] { return is_up() || !io.is_running(); }) && io.is_running() &&
-        System::wait_until([&] { return read_note(note) > least; })) {
+        System::wait_until([&] { return read_note(note) > limit; })) {
       return testing::AssertionSuccess();
     }
-    return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
+    return testing::AssertionFailure() << note << " is not above " << limit << "\n" << haptics.err() << io.err();
   }
 
   // From then on io_node takes signals.
@@ -63,14 +64,18 @@ struct LedHand {
   Program haptics;
 
  private:
-  std::vector<std::string> io_arguments(const std::string& device, const std::string& way_csv, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"--bind",         hub,        "--device", device,  "--trajectory",
-                                          written(way_csv), "--record", file,       "--out", (scratch.path() / "out").string()};
-    arguments.insert(arguments.end(), more.begin(), more.end());
+  std::vector<std::string> io_arguments(const std::string& device, const std::string& trajectory_csv,
+                                        const std::vector<std::string>& further_arguments) {
+    std::vector<std::string> arguments = {"--bind",       hub,
+                                          "--device",     device,
+                                          "--trajectory", write_trajectory(trajectory_csv),
+                                          "--record",     file,
+                                          "--out",        (scratch.path() / "out").string()};
+    arguments.insert(arguments.end(), further_arguments.begin(), further_arguments.end());
     return arguments;
   }
-  std::string written(const std::string& way_csv) {
-    scratch.write("way.csv", way_csv);
+  std::string write_trajectory(const std::string& trajectory_csv) {
+    scratch.write("way.csv", trajectory_csv);
     return (scratch.path() / "way.csv").string();
   }
 
