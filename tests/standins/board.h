@@ -27,15 +27,15 @@ struct Board {
   std::atomic<int> is_plugged{1};
   std::atomic<int> calibration{0};           // 0 good, 1 needs update, 2 needs a person
   std::atomic<int> calibration_style{4};     // HD: 1 encoder reset, 2 auto, 4 inkwell, or several
-  std::atomic<int> updates_until_good{1};    // the calibration is good after so many updates of it; 0: never
+  std::atomic<int> updates_until_good{1};    // the calibration is good after this many updates; 0: never
   std::atomic<unsigned> error_each_tick{0};  // HD: reported after each frame
   std::atomic<unsigned> error_once{0};       // HD: reported after the next frame
   std::atomic<int> known_name{0};            // HD: its name: 0 "Default Device", 1 "Default PHANToM", 2 only a null pointer, 3 "Left Hand"
   std::atomic<int> is_another{0};            // HD: not 0: another unit of the same model, with another serial number
   std::atomic<unsigned> endless_error{0};    // HD: not 0: every call of hdGetError returns it
-  std::atomic<int> has_texts{1};             // HD: whether it tells model, serial number and firmware
-  std::atomic<unsigned> open_error{0};       // HD: not 0: the error of opening it, whether plugged in or not
-  std::atomic<int> errors_a_refusal{1};      // HD: how many errors a failed opening reports
+  std::atomic<int> has_texts{1};             // HD: not 0: it reports model, serial number and firmware
+  std::atomic<unsigned> open_error{0};       // HD: not 0: opening it fails with this error, plugged in or not
+  std::atomic<int> errors_a_refusal{1};      // HD: how many errors each failed opening reports
   std::atomic<double> motor_temperature{0.2};
   std::atomic<int> slow_us{0};           // a delay added to each tick; DHD: to each call that transfers data
   std::atomic<int> stands_still{0};      // HD: not 0: the scheduler calls nothing
@@ -77,7 +77,7 @@ struct Board {
   std::atomic<int> watchdog{0};
   std::atomic<int> is_running{0};
   std::atomic<int> moved_by_itself{0};  // DHD: not 0: its motors moved it to calibrate it
-  std::atomic<int> kept_forces{-1};     // DHD: the forces after drdStop: 1 left on, 0 off; -1: drdStop was not called
+  std::atomic<int> kept_forces{-1};     // DHD: the forces after drdStop: 1 left on, 0 switched off; -1: drdStop was not called
 };
 static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
 

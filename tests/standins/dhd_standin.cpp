@@ -25,10 +25,10 @@ class Hardware {
   int open(char index) {
     if (count() == 0 || index != 0 || is_open_) return -1;
     is_open_ = true;
-    updates_ = 0;
+    calibration_updates_ = 0;
     mass_.place(board());
     force_ = torque_ = {};
-    stepped_ = Clock::now();
+    last_step_time_ = Clock::now();
     ++board().opened;
     board().enabled = 0;
     return kDevice;
@@ -51,10 +51,10 @@ class Hardware {
   int position(double* x, double* y, double* z, char id) {
     const auto now = Clock::now();
     // A step is at most 5 ms: after a pause of the test, the explicit integration would be unstable with the whole time.
-    const double passed_s = std::min(std::chrono::duration<double>(now - stepped_).count(), 0.005);
-    stepped_ = now;
-    const bool force_is_on = board().enabled != 0 && board().force_off_cause == 0;
-    mass_.step(board(), force_is_on ? force_ : std::array<double, 3>{}, passed_s);
+    const double passed_s = std::min(std::chrono::duration<double>(now - last_step_time_).count(), 0.005);
+    last_step_time_ = now;
+    const bool is_force_on = board().enabled != 0 && board().force_off_cause == 0;
+    mass_.step(board(), is_force_on ? force_ : std::array<double, 3>{}, passed_s);
     ++board().ticks;
     *x = mass_.position_m()[0];
     *y = mass_.position_m()[1];
@@ -72,7 +72,7 @@ class Hardware {
   }
 
   void calibrate() {
-    if (board().updates_until_good != 0 && ++updates_ >= board().updates_until_good) board().calibration = 0;
+    if (board().updates_until_good != 0 && ++calibration_updates_ >= board().updates_until_good) board().calibration = 0;
     ++board().calibration_updates;
   }
 
@@ -88,14 +88,14 @@ class Hardware {
   PointMass mass_;
   std::array<double, 3> force_ = {};
   std::array<double, 3> torque_ = {};
-  Clock::time_point stepped_;
-  int updates_ = 0;
+  Clock::time_point last_step_time_;
+  int calibration_updates_ = 0;
   bool is_open_ = false;
 };
 
 Hardware& hardware() {
-  static auto* const all = new Hardware;
-  return *all;
+  static auto* const instance = new Hardware;
+  return *instance;
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ struct HaplyService::Listening {
   tcp::acceptor acceptor{context};
 };
 
-HaplyService::HaplyService(std::uint16_t port, std::string version_in)
-    : version(std::move(version_in)), listening_(std::make_unique<Listening>()) {
+HaplyService::HaplyService(std::uint16_t port, std::string initial_version)
+    : version(std::move(initial_version)), listening_(std::make_unique<Listening>()) {
   tcp::acceptor& acceptor = listening_->acceptor;
   acceptor.open(tcp::v4());
   acceptor.set_option(asio::socket_base::reuse_address(true));
@@ -67,9 +67,9 @@ void HaplyService::run() {
 bool HaplyService::await_message(int socket) {
   while (!ends_) {
     char first = 0;
-    const ssize_t seen = ::recv(socket, &first, 1, MSG_PEEK | MSG_DONTWAIT);
-    if (seen == 0 || (seen < 0 && errno != EAGAIN)) return false;
-    if (seen > 0) return true;
+    const ssize_t received = ::recv(socket, &first, 1, MSG_PEEK | MSG_DONTWAIT);
+    if (received == 0 || (received < 0 && errno != EAGAIN)) return false;
+    if (received > 0) return true;
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
   return false;
@@ -84,8 +84,9 @@ void HaplyService::serve(void* accepted) {
   beast::http::read(socket, request_buffer, request, error);
   if (error) return;
   if (!beast::websocket::is_upgrade(request)) {
-    const bool is_there = request.target() == "/version" && !version.empty();
-    beast::http::response<beast::http::string_body> response{is_there ? beast::http::status::ok : beast::http::status::not_found, 11};
+    const bool has_version_page = request.target() == "/version" && !version.empty();
+    beast::http::response<beast::http::string_body> response{has_version_page ? beast::http::status::ok : beast::http::status::not_found,
+                                                             11};
     response.body() = fmt::format(R"({{"project_name":"haply-inverse-service","project_version":"{}"}})", version);
     response.prepare_payload();
     beast::http::write(socket, response, error);
@@ -118,20 +119,21 @@ std::string HaplyService::state(bool with_config) const {
                                    ? fmt::format(R"("config":{{"type":"{}","extended_firmware_version":"7.4.0","handedness":"right"{}}},)",
                                                  type, mount.empty() ? "" : ",\"mount\":" + mount)
                                    : "";
-    std::string placed = with_config && !transform.empty() ? ",\"transform\":" + transform : "";
-    if (is_scaled) placed = R"(,"transform":{"scale":{"x":2,"y":2,"z":2}})";
-    if (!with_config && !is_scaled && was_scaled_.exchange(false)) placed = R"(,"transform":{"scale":{"x":1,"y":1,"z":1}})";
+    std::string transform_member = with_config && !transform.empty() ? ",\"transform\":" + transform : "";
+    if (is_scaled) transform_member = R"(,"transform":{"scale":{"x":2,"y":2,"z":2}})";
+    if (!with_config && !is_scaled && was_scaled_.exchange(false)) transform_member = R"(,"transform":{"scale":{"x":1,"y":1,"z":1}})";
     if (is_scaled) was_scaled_ = true;
     arms = fmt::format(R"({{"device_id":"049D",{}"state":{{"cursor_position":{{"x":{},"y":{},"z":{}}},)"
                        R"("cursor_velocity":{{"x":0,"y":0,"z":0}}{}}},"status":{{"calibrated":{}}}}})",
-                       config, position_m[0].load(), position_m[1].load(), position_m[2].load(), placed, is_calibrated ? "true" : "false");
+                       config, position_m[0].load(), position_m[1].load(), position_m[2].load(), transform_member,
+                       is_calibrated ? "true" : "false");
   }
   std::string grips;
   if (has_grip) {
-    const double half = std::sqrt(0.5);
+    const double sqrt_half = std::sqrt(0.5);
     grips = fmt::format(
-        R"({{"device_id":"61","state":{{"orientation":{{"w":{0},"x":0,"y":0,"z":{0}}},"buttons":{{"a":{1},"b":{2},"c":false}}}}}})", half,
-        (buttons & 1) != 0, (buttons & 2) != 0);
+        R"({{"device_id":"61","state":{{"orientation":{{"w":{0},"x":0,"y":0,"z":{0}}},"buttons":{{"a":{1},"b":{2},"c":false}}}}}})",
+        sqrt_half, (buttons & 1) != 0, (buttons & 2) != 0);
   }
   return fmt::format(R"({{"session_id":7,"inverse3":[{}],"wireless_verse_grip":[{}]}})", arms, grips);
 }

@@ -14,8 +14,8 @@ namespace hapton {
 // It serves one client at a time, in its own thread.
 class HaplyService {
  public:
-  // port: 0 takes any free one. version_in: the version at the HTTP page /version; empty: this page does not exist.
-  explicit HaplyService(std::uint16_t port = 0, std::string version_in = "3.5.1.0");
+  // port: 0 takes any free one. initial_version: the version at the HTTP page /version; empty: this page does not exist.
+  explicit HaplyService(std::uint16_t port = 0, std::string initial_version = "3.5.1.0");
   ~HaplyService();
 
   std::uint16_t port() const { return port_; }

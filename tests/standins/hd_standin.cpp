@@ -18,6 +18,14 @@ using namespace hapton::standin;
 
 constexpr unsigned kFirstDevice = 7;
 constexpr unsigned kNoDevice = 0xFFFFFFFF;
+// Parameters of hdGet... and hdSet..., from the documentation of the SDK, intentionally not from hd_library.h.
+constexpr unsigned kButtons = 0x2000, kPosition = 0x2050, kTransform = 0x2052;
+constexpr unsigned kModel = 0x2501, kSerialNumber = 0x2504, kFirmwareVersion = 0x2505;
+constexpr unsigned kUsableWorkspace = 0x2551, kOutputDof = 0x2554, kCalibrationStyle = 0x2555;
+constexpr unsigned kMaxStiffness = 0x2602, kMaxForce = 0x2603, kContinuousForce = 0x2604, kMotorTemperature = 0x2605;
+constexpr unsigned kForce = 0x2700, kTorque = 0x2701;
+constexpr unsigned kCalibrationOk = 0x5000;
+constexpr int kInternalCode = -42;  // of every error; Hapton only prints it
 constexpr unsigned kCommError = 0x302, kAlreadyInitiated = 0x301, kBadHandle = 0x104, kInvalidEnum = 0x100, kIllegalEnd = 0x401;
 
 struct ErrorInfo {
@@ -107,18 +115,18 @@ class Hardware {
   void set(unsigned what, const double* values) {
     Unit& unit = *current_;
     if (!unit.in_frame || !is_scheduler()) ++unit.board().wrong_calls;
-    if (what != 0x2700 && (what != 0x2701 || unit.board().output_dof != 6)) return report(kInvalidEnum);
-    std::copy(values, values + 3, (what == 0x2700 ? unit.force_n : unit.torque_mnm).begin());
+    if (what != kForce && (what != kTorque || unit.board().output_dof != 6)) return report(kInvalidEnum);
+    std::copy(values, values + 3, (what == kForce ? unit.force_n : unit.torque_mnm).begin());
   }
 
   void get(unsigned what, double* values) {
     const Board& board = current_->board();
     const auto& p = current_->mass.position_m();
     switch (what) {
-      case 0x2050:
+      case kPosition:
         for (std::size_t axis = 0; axis < 3; ++axis) values[axis] = 1e3 * p[axis];
         return;
-      case 0x2052: {
+      case kTransform: {
         const auto rows = PointMass::rotation(board);
         for (std::size_t column = 0; column < 3; ++column) {
           for (std::size_t row = 0; row < 3; ++row) values[4 * column + row] = rows[row][column];
@@ -128,21 +136,21 @@ class Hardware {
         values[15] = 1.0;
         return;
       }
-      case 0x2551: {
+      case kUsableWorkspace: {
         const double box_mm[] = {board.box_low_mm, -40, -35, 80, 80, 35};
         std::copy(std::begin(box_mm), std::end(box_mm), values);
         return;
       }
-      case 0x2602:
+      case kMaxStiffness:
         *values = board.max_stiffness;
         return;
-      case 0x2603:
+      case kMaxForce:
         *values = board.max_force_n;
         return;
-      case 0x2604:
+      case kContinuousForce:
         *values = board.continuous_force_n;
         return;
-      case 0x2605:
+      case kMotorTemperature:
         for (int motor = 0; motor < 6; ++motor) values[motor] = motor == 2 ? board.motor_temperature.load() : 0.1;
         return;
       default:
@@ -152,11 +160,11 @@ class Hardware {
 
   void get(unsigned what, int* values) {
     const Board& board = current_->board();
-    if (what == 0x2000) {
+    if (what == kButtons) {
       *values = board.buttons;
-    } else if (what == 0x2554) {
+    } else if (what == kOutputDof) {
       *values = board.output_dof;
-    } else if (what == 0x2555) {
+    } else if (what == kCalibrationStyle) {
       *values = board.calibration_style;
     } else {
       report(kInvalidEnum);
@@ -170,7 +178,7 @@ class Hardware {
 
   unsigned calibration() {
     const Unit& unit = *current_;
-    return 0x5000U + static_cast<unsigned>(unit.is_calibrated() ? 0 : unit.board().calibration.load());
+    return kCalibrationOk + static_cast<unsigned>(unit.is_calibrated() ? 0 : unit.board().calibration.load());
   }
 
   void update_calibration(unsigned style) {
@@ -211,7 +219,7 @@ class Hardware {
 
   ErrorInfo take_error() {
     const std::lock_guard lock(error_mutex_);
-    if (const unsigned endless = units_[0].board().endless_error; endless != 0) return {endless, -42, kFirstDevice};
+    if (const unsigned endless = units_[0].board().endless_error; endless != 0) return {endless, kInternalCode, kFirstDevice};
     if (errors_.empty()) return {0, 0, kFirstDevice};
     const ErrorInfo error = errors_.front();
     errors_.pop_front();
@@ -220,15 +228,15 @@ class Hardware {
 
   void report(unsigned code) {
     const std::lock_guard lock(error_mutex_);
-    if (errors_.size() < 32) errors_.push_back({code, -42, kFirstDevice});
+    if (errors_.size() < 32) errors_.push_back({code, kInternalCode, kFirstDevice});
   }
 
   const char* text(unsigned what) const {
     if (current_->board().has_texts == 0) return nullptr;
     switch (what) {
-      case 0x2501:
+      case kModel:
         return "Stand-in Touch";
-      case 0x2504:
+      case kSerialNumber:
         return current_->board().is_another == 0 ? "SN-0042" : "SN-0043";
       default:
         return "";
@@ -296,8 +304,8 @@ class Hardware {
 
 // It is never destroyed, because nobody knows which call of the library is the last one.
 Hardware& hardware() {
-  static auto* const all = new Hardware;
-  return *all;
+  static auto* const instance = new Hardware;
+  return *instance;
 }
 
 }  // namespace
@@ -316,7 +324,7 @@ const char* hdGetErrorString(unsigned) { return "the stand-in's own words"; }
 void hdEnable(unsigned capability) { hardware().enable(capability); }
 void hdGetIntegerv(unsigned what, int* values) { hardware().get(what, values); }
 void hdGetFloatv(unsigned what, float* values) {
-  if (what == 0x2505) hardware().get_firmware(values);
+  if (what == kFirmwareVersion) hardware().get_firmware(values);
 }
 void hdGetDoublev(unsigned what, double* values) { hardware().get(what, values); }
 const char* hdGetString(unsigned what) { return hardware().text(what); }

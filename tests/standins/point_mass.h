@@ -15,7 +15,7 @@ class PointMass {
   void place(Board& board) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       board.position_m[axis] = position_m_[axis] = board.hand_m[axis];
-      speed_[axis] = 0.0;
+      velocity_m_per_s_[axis] = 0.0;
     }
   }
 
@@ -25,11 +25,11 @@ class PointMass {
       const double hand_m = board.hand_m[axis];
       if (board.follows_hand == 0) {
         position_m_[axis] = hand_m;
-        speed_[axis] = 0.0;
+        velocity_m_per_s_[axis] = 0.0;
       } else {
-        const double pull_n = kSpringNPerM * (hand_m - position_m_[axis]) - kDamperNsPerM * speed_[axis];
-        speed_[axis] += step_s * (pull_n + force_n[axis]) / kMassKg;
-        position_m_[axis] = std::clamp(position_m_[axis] + step_s * speed_[axis], -0.2, 0.2);
+        const double pull_n = kSpringNPerM * (hand_m - position_m_[axis]) - kDamperNsPerM * velocity_m_per_s_[axis];
+        velocity_m_per_s_[axis] += step_s * (pull_n + force_n[axis]) / kMassKg;
+        position_m_[axis] = std::clamp(position_m_[axis] + step_s * velocity_m_per_s_[axis], -0.2, 0.2);
       }
       board.position_m[axis] = position_m_[axis];
     }
@@ -65,7 +65,7 @@ class PointMass {
 
  private:
   std::array<double, 3> position_m_ = {};
-  std::array<double, 3> speed_ = {};
+  std::array<double, 3> velocity_m_per_s_ = {};
 };
 
 }  // namespace hapton::standin

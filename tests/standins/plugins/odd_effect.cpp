@@ -1,6 +1,6 @@
 // An effect that does what its parameters say: does=push|nan|torque_nan|huge|strong|sleep|forever|abort|exception|copy|lean, after=CALLS,
 // ms=MILLISECONDS, n=NEWTONS. In create: does=reject|reject_lines|blank|silent|create_exception; in reset: does=reset_exception. It aborts
-// when it is destroyed without having been created, and when it is reset after it gave NaN. Compiled with another ODD_ABI or ODD_SIZE,
+// if it is destroyed without having been created, or reset after it gave NaN. Compiled with another ODD_ABI or ODD_SIZE,
 // it is a plug-in for another release of Hapton.
 #include <chrono>
 #include <cmath>

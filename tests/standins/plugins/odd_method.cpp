@@ -1,7 +1,7 @@
 // A force method: floor and proxy at y = 0, with the stiffness of the first object's material. Parameters: does=nan|nan_proxy|odd_object|
-// exception, from call after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time, the
-// buttons and the x component of the stylus's axis y; does=reset_exception|material_exception, in these calls. It aborts when it is
-// destroyed without having been created, when it is called after it gave NaN, and when the output is not as hapton_plugin.h says. Compiled
+// exception, from call number after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time,
+// the buttons and the x component of the stylus's axis y; does=reset_exception|material_exception, in these calls. It aborts if it is
+// destroyed without having been created, called after it gave NaN, or given an output that is not as hapton_plugin.h says. Compiled
 // with ODD_IS_BARE it has only what a method must have.
 #include <cmath>
 #include <cstdio>
