@@ -137,13 +137,13 @@ TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
       system->start_haptics();
       const auto vision = system->make_vision(acks_per_state);
       system->run_for_ns(1000 * kMs);
-      EXPECT_GT(vision->seen(), 100) << fate;
+      EXPECT_GT(vision->received_states(), 100) << fate;
       if (fate == std::string_view("is killed")) system->network.kill(vision->address());
       if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), true);
       system->run_for_ns(1000 * kMs);
       if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), false);
       system->run_for_ns(1000 * kMs);
-      EXPECT_EQ(force_of(system->device), alone) << acks_per_state << " words a turn, " << fate;
+      EXPECT_EQ(force_of(system->device), alone) << acks_per_state << " acknowledgements of each state, " << fate;
       EXPECT_GT(system->stats().drawn, 100U);
     }
   }
@@ -191,15 +191,15 @@ TEST_F(Faults, APartitionLeavesNoForceAndContactReturnsWithin500MsOfItsEnd) {
 }
 
 TEST_F(Faults, APartitionInOneDirectionIsSurvivedToo) {
-  for (const bool is_up : {true, false}) {
+  for (const bool is_to_hub : {true, false}) {
     press();
     const LinkFaults cut{.partition = true};
-    system->set_faults(is_up ? cut : LinkFaults(), is_up ? LinkFaults() : cut);
+    system->set_faults(is_to_hub ? cut : LinkFaults(), is_to_hub ? LinkFaults() : cut);
     system->run_for_ns(3000 * kMs);
     EXPECT_TRUE(system->zero_since_ns());
     system->set_faults({}, {});
     system->run_for_ns(1500 * kMs);
-    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << (is_up ? "to the hub" : "to the nodes");
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << (is_to_hub ? "to the hub" : "to the nodes");
     expect_bounded(system->device);
   }
 }

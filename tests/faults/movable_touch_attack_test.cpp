@@ -18,8 +18,8 @@ TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
     SCOPED_TRACE(delay_ms);
     // Negative: the reply to the first sample after the hub has dropped its patches is late. The hub confirms the drop before that reply.
     builds_on_approach = delay_ms < 0;
-    moved = Vec3::Zero();
-    checked = 0;
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
     ASSERT_NO_FATAL_FAILURE(press(170, {.delay_ns = std::abs(delay_ms) * kMs}));
     system->device.target = kPressed + Vec3(0, 0, 0.03);
     system->run_for_ns(800 * kMs);
@@ -28,18 +28,18 @@ TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
     system->device.target = on_plate;
     system->run_for_ns(1500 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
-    ASSERT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+    ASSERT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN);
     const auto vision = system->make_vision(1);
     system->run_for_ns(200 * kMs);
     const std::uint32_t serial = grasp().poses()[kBlock].serial;
     vision->send(ObjectPose{.serial = serial, .object = kBlock, .p_m = kCarried});
     ASSERT_TRUE(system->wait_until([&] { return grasp().poses()[kBlock].serial != serial && !grasp().is_busy(); }));
-    checked = system->touched.size();
+    checked_count = system->local_steps.size();
     ASSERT_TRUE(system->wait_for_patches());
     system->run_for_ns(300 * kMs);
-    EXPECT_TRUE(system->touched.back().force.contact);
-    EXPECT_EQ(system->touched.back().force.object, 0);
-    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+    EXPECT_TRUE(system->local_steps.back().force.contact);
+    EXPECT_EQ(system->local_steps.back().force.object, 0);
+    EXPECT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN);
     EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3);
   }
 }
@@ -48,19 +48,19 @@ TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
 // stops it there. Otherwise the hand begins inside, without a force. The same holds for remote force and for patches.
 TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
   for (const TouchChoice choice : {TouchChoice::remote, TouchChoice::patch}) {
-    for (const double deep_m : {0.004, 0.9 * kResumeReachM, 1.2 * kResumeReachM}) {
-      SCOPED_TRACE(std::to_string(deep_m) + (choice == TouchChoice::remote ? " m, remote" : " m, from patches"));
-      moved = Vec3::Zero();
-      checked = 0;
-      ASSERT_NO_FATAL_FAILURE(press(171, choice == TouchChoice::remote ? LinkFaults{} : kFar, choice));
+    for (const double depth_m : {0.004, 0.9 * kResumeReachM, 1.2 * kResumeReachM}) {
+      SCOPED_TRACE(std::to_string(depth_m) + (choice == TouchChoice::remote ? " m, remote" : " m, from patches"));
+      displacement_m = Vec3::Zero();
+      checked_count = 0;
+      ASSERT_NO_FATAL_FAILURE(press(171, choice == TouchChoice::remote ? LinkFaults{} : kFarLink, choice));
       ASSERT_NO_FATAL_FAILURE(pick_up());
       carry(kPressed + Vec3(0, 0, 0.03));
       // The pose of the object comes from another thread, in real time.
       int turns = 0;
       (void)system->wait_until([&] { return ++turns > 50; });
       // At 1 m/s down, then to that depth in the object; the button is released on the way.
-      const bool is_held = deep_m < kResumeReachM;
-      const double below_m = deep_m - 0.002;
+      const bool is_held = depth_m < kResumeReachM;
+      const double below_m = depth_m - 0.002;
       system->device.target_step_m = 1e-3;
       system->device.target = kPressed + Vec3(0, 0, -0.02);
       system->run_for_ns(5 * kMs);
@@ -69,8 +69,8 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
       if (is_held) system->device.target = kPressed + Vec3(0, 0, 0.03 - below_m);
       for (int n = 0; n < 10'000 && grasp().tool() != nullptr; ++n) system->run_for_ns(kMs);
       ASSERT_EQ(grasp().tool(), nullptr);
-      moved = grasp().poses()[kBlock].p_m;
-      system->device.target = kPressed + moved - Vec3(0, 0, below_m);
+      displacement_m = grasp().poses()[kBlock].p_m;
+      system->device.target = kPressed + displacement_m - Vec3(0, 0, below_m);
       system->run_for_ns(200 * kMs);
       // If the machine stands still meanwhile, the new scene may be there before the hand is. Then this case cannot be checked.
       if (!is_held && !grasp().is_busy()) continue;
@@ -79,13 +79,13 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
         ASSERT_TRUE(system->wait_for_patches());
       }
       system->run_for_ns(300 * kMs);
-      const double wanted_n = kBlockStiffness * deep_m;
-      if (wanted_n < 5.0 || !is_held) {
-        EXPECT_NEAR(system->force_n().z(), is_held ? wanted_n : 0.0, 1e-3);
+      const double expected_n = kBlockStiffness * depth_m;
+      if (expected_n < 5.0 || !is_held) {
+        EXPECT_NEAR(system->force_n().z(), is_held ? expected_n : 0.0, 1e-3);
       }
       EXPECT_EQ(system->force_n().z() > 1.0, is_held);
       if (choice == TouchChoice::patch) {
-        EXPECT_EQ(system->touched.back().force.contact, is_held);
+        EXPECT_EQ(system->local_steps.back().force.contact, is_held);
       }
     }
   }
@@ -97,29 +97,30 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
   for (std::uint64_t seed = first; seed < first + 1; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    const auto draw = [&](int most) { return static_cast<int>(random() % static_cast<std::uint64_t>(most)); };
-    moved = Vec3::Zero();
-    checked = 0;
-    const LinkFaults bad{.delay_ns = (5 + draw(60)) * kMs, .jitter_ns = draw(40) * kMs, .loss = 0.01 * draw(30), .duplicate = 0.3};
+    const auto draw_below = [&](int limit) { return static_cast<int>(random() % static_cast<std::uint64_t>(limit)); };
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
+    const LinkFaults bad{
+        .delay_ns = (5 + draw_below(60)) * kMs, .jitter_ns = draw_below(40) * kMs, .loss = 0.01 * draw_below(30), .duplicate = 0.3};
     ASSERT_NO_FATAL_FAILURE(press(seed, bad));
     // Checks in small steps: an object that is held, or not yet built where it was put down, is felt from no patch.
-    const auto watch = [&](int ms) {
+    const auto run_checked = [&](int ms) {
       for (; ms > 0 && !testing::Test::HasFailure(); ms -= 2) {
         system->run_for_ns(2 * kMs);
         if (system->haptics == nullptr) continue;
         if (grasp().tool() != nullptr || grasp().is_waiting()) {
-          EXPECT_EQ(system->touched.size(), checked) << "it is not there";
+          EXPECT_EQ(system->local_steps.size(), checked_count) << "it is not there";
         }
-        moved = grasp().poses()[kBlock].is_held ? moved : grasp().poses()[kBlock].p_m;
+        displacement_m = grasp().poses()[kBlock].is_held ? displacement_m : grasp().poses()[kBlock].p_m;
         (void)expect_block();
         std::this_thread::sleep_for(std::chrono::microseconds(500));
       }
     };
     for (int n = 0; n < 25 && !testing::Test::HasFailure(); ++n) {
-      switch (draw(8)) {
+      switch (draw_below(8)) {
         case 0:
-          system->set_faults({.loss = 1.0}, {.loss = draw(2) == 0 ? 1.0 : 0.3});
-          watch(draw(250));
+          system->set_faults({.loss = 1.0}, {.loss = draw_below(2) == 0 ? 1.0 : 0.3});
+          run_checked(draw_below(250));
           system->set_faults(bad, bad);
           break;
         case 1:
@@ -127,41 +128,41 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           break;
         case 2:
           // A haptics node that is started again has the scene as in its file.
-          watch(1500 * draw(2));
+          run_checked(1500 * draw_below(2));
           system->device.buttons = 0;
           system->device.target = kPressed + Vec3(0, 0, 0.03);
-          watch(1500);
+          run_checked(1500);
           system->kill_haptics();
-          system->run_for_ns(draw(300) * kMs);
-          checked = system->touched.size();
-          moved = Vec3::Zero();
+          system->run_for_ns(draw_below(300) * kMs);
+          checked_count = system->local_steps.size();
+          displacement_m = Vec3::Zero();
           system->start_haptics();
           // The hub uses the patches of the previous node until the new one joins.
           ASSERT_TRUE(system->wait_until([&] { return system->haptics->client().state() == JoinState::joined; }));
           ASSERT_TRUE(system->wait_for_patches()) << "it meets the hand above";
           system->device.target = kPressed;
-          watch(1500);
+          run_checked(1500);
           break;
         case 3:
-          system->device.target = kPressed + moved + Vec3(0.001 * (draw(9) - 4), 0.001 * (draw(9) - 4), 0.0);
+          system->device.target = kPressed + displacement_m + Vec3(0.001 * (draw_below(9) - 4), 0.001 * (draw_below(9) - 4), 0.0);
           break;
         default:
           system->device.buttons ^= 1U;
       }
-      watch(draw(draw(2) == 0 ? 400 : 60));
+      run_checked(draw_below(draw_below(2) == 0 ? 400 : 60));
     }
-    system->set_faults(kFar, kFar);
+    system->set_faults(kFarLink, kFarLink);
     system->device.buttons = 0;
     system->run_for_ns(500 * kMs);
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
-    moved = grasp().poses()[kBlock].p_m;
-    system->device.target = kPressed + moved + Vec3(0, 0, 0.03);
+    displacement_m = grasp().poses()[kBlock].p_m;
+    system->device.target = kPressed + displacement_m + Vec3(0, 0, 0.03);
     ASSERT_TRUE(system->wait_for_patches());
-    for (int n = 0; n < 15; ++n) watch(100);
-    lead(kPressed + moved);
+    for (int n = 0; n < 15; ++n) run_checked(100);
+    lead(kPressed + displacement_m);
     ASSERT_TRUE(system->wait_for_patches());
-    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
-    EXPECT_EQ(system->touched.back().force.object, kBlock);
+    EXPECT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN);
+    EXPECT_EQ(system->local_steps.back().force.object, kBlock);
   }
 }
 

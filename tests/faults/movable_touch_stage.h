@@ -21,12 +21,12 @@ namespace hapton {
 // A hand presses on the block, which it feels from patches, and picks it up. After that no force may come from where the block is not.
 struct MovableTouch : testing::Test {
   static constexpr int kBlock = 1;
-  static constexpr double kBlockTopM = 0.05;  // of the block, under the pressing device
+  static constexpr double kBlockTopM = 0.05;  // height of its top, where PressingDevice presses
   static constexpr double kBlockStiffness = 1000.0;
-  static constexpr double kOnGridN = 1e-4;  // the rounding of vertices to a patch's grid, as a force
+  static constexpr double kGridRoundingN = 1e-4;  // the rounding of vertices to a patch's grid, as a force
   static inline const Vec3 kPressed = Vec3(0.01, 0.02, kBlockTopM - 0.002);
   static inline const Vec3 kCarried = Vec3(0.03, 0.0, 0.005);
-  static constexpr LinkFaults kFar{.delay_ns = 30 * kMs};
+  static constexpr LinkFaults kFarLink{.delay_ns = 30 * kMs};
 
   static Scene block_over_plate() {
     const auto object = [](const char* name, const Vec3& low, const Vec3& high) {
@@ -44,16 +44,16 @@ struct MovableTouch : testing::Test {
   }
 
   std::optional<SimulatedSystem> system;
-  Vec3 moved = Vec3::Zero();  // displacement of the block from its place in the scene
-  std::size_t checked = 0;    // number of entries of system->touched that were checked
+  Vec3 displacement_m = Vec3::Zero();  // displacement of the block from its place in the scene
+  std::size_t checked_count = 0;       // number of entries of system->local_steps that were checked
   bool builds_on_approach = false;
-  std::function<void(Scene&)> change = {};  // changes the scene before it is loaded, but not the block
+  std::function<void(Scene&)> change_scene = {};  // changes the scene before it is loaded, but not the block
 
   void press(std::uint64_t seed, const LinkFaults& faults, TouchChoice choice = TouchChoice::patch) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     system.emplace(seed, choice);
     system->scene = block_over_plate();
-    if (change) change(system->scene);
+    if (change_scene) change_scene(system->scene);
     system->builds_on_approach = builds_on_approach;
     system->start_haptics();
     // Waits for a force command while the hand is above: a hand that begins inside the block has no contact.
@@ -79,17 +79,17 @@ struct MovableTouch : testing::Test {
 
   // Expects that the hub's forces from patches since the last call are those of the block where it is now, and of nothing else.
   bool expect_block() {
-    for (; checked < system->touched.size(); ++checked) {
-      const auto& [sample, force, is_beyond] = system->touched[checked];
+    for (; checked_count < system->local_steps.size(); ++checked_count) {
+      const auto& [sample, force, is_beyond] = system->local_steps[checked_count];
       if (is_beyond) continue;
-      const Vec3 p = sample.p_WD - moved;
+      const Vec3 p = sample.p_WD - displacement_m;
       const bool is_over = p.x() > 0.0005 && p.x() < 0.0195 && p.y() > 0.0105 && p.y() < 0.0295;
       const bool is_beside = p.x() < -0.0005 || p.x() > 0.0205 || p.y() < 0.0095 || p.y() > 0.0305;
       if (!is_over && !is_beside) continue;
-      const double deep_m = is_over ? std::max(0.0, kBlockTopM - p.z()) : 0.0;
-      EXPECT_NEAR(force.force_n.z(), kBlockStiffness * deep_m, kOnGridN) << checked << ": " << sample.p_WD.transpose();
-      const bool is_certain = !is_over || std::abs(kBlockTopM - p.z()) > kOnGridN / kBlockStiffness;
-      EXPECT_TRUE(!is_certain || force.contact == (deep_m > 0.0)) << checked << ": " << sample.p_WD.transpose();
+      const double depth_m = is_over ? std::max(0.0, kBlockTopM - p.z()) : 0.0;
+      EXPECT_NEAR(force.force_n.z(), kBlockStiffness * depth_m, kGridRoundingN) << checked_count << ": " << sample.p_WD.transpose();
+      const bool is_certain = !is_over || std::abs(kBlockTopM - p.z()) > kGridRoundingN / kBlockStiffness;
+      EXPECT_TRUE(!is_certain || force.contact == (depth_m > 0.0)) << checked_count << ": " << sample.p_WD.transpose();
       if (testing::Test::HasFailure()) return false;
     }
     return true;
@@ -104,13 +104,13 @@ struct MovableTouch : testing::Test {
     const Vec3 from = std::exchange(system->device.target, to).value_or(to);
     // Runs slowly enough for the task that moves the object, which runs in real time.
     system->run_slowly_for_ns(static_cast<std::int64_t>(2e10 * (to - from).norm()) + 500 * kMs);
-    EXPECT_EQ(system->touched.size(), checked);
+    EXPECT_EQ(system->local_steps.size(), checked_count);
   }
   void put_down() {
     system->device.buttons = 0;
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
-    EXPECT_EQ(system->touched.size(), checked) << "before it can be touched where it was put down";
-    moved = grasp().poses()[kBlock].p_m;
+    EXPECT_EQ(system->local_steps.size(), checked_count) << "before it can be touched where it was put down";
+    displacement_m = grasp().poses()[kBlock].p_m;
     ASSERT_TRUE(system->wait_for_patches());
     ASSERT_TRUE(expect_block());
   }
@@ -123,21 +123,21 @@ struct MovableTouch : testing::Test {
   }
   // The hand moves into the place where the block was, and then onto the block.
   void feel_both_places() {
-    lead(kPressed + moved + Vec3(0, 0, 0.02));
+    lead(kPressed + displacement_m + Vec3(0, 0, 0.02));
     lead(kPressed + Vec3(-0.005, 0, 0.03));
     ASSERT_TRUE(system->wait_for_patches());
     lead(kPressed + Vec3(-0.005, 0, -0.01));
-    EXPECT_FALSE(system->touched.back().force.contact)
-        << "object " << system->touched.back().force.object << " with " << system->touched.back().force.force_n.transpose()
-        << " N; moved by " << moved.transpose();
-    EXPECT_NEAR((system->touched.back().sample.p_WD - *system->device.target).norm(), 0.0, 1e-9);
+    EXPECT_FALSE(system->local_steps.back().force.contact)
+        << "object " << system->local_steps.back().force.object << " with " << system->local_steps.back().force.force_n.transpose()
+        << " N; moved by " << displacement_m.transpose();
+    EXPECT_NEAR((system->local_steps.back().sample.p_WD - *system->device.target).norm(), 0.0, 1e-9);
     lead(kPressed + Vec3(-0.005, 0, 0.03));
-    lead(kPressed + moved + Vec3(0, 0, 0.02));
-    lead(kPressed + moved);
+    lead(kPressed + displacement_m + Vec3(0, 0, 0.02));
+    lead(kPressed + displacement_m);
     ASSERT_TRUE(system->wait_for_patches());
     ASSERT_TRUE(expect_block());
-    EXPECT_TRUE(system->touched.back().force.contact);
-    EXPECT_EQ(system->touched.back().force.object, kBlock);
+    EXPECT_TRUE(system->local_steps.back().force.contact);
+    EXPECT_EQ(system->local_steps.back().force.object, kBlock);
   }
 };
 

@@ -6,20 +6,20 @@ namespace hapton {
 namespace {
 
 TEST_F(MovableTouch, AnObjectIsFeltFromPatchesWhereItLies) {
-  ASSERT_NO_FATAL_FAILURE(press(161, kFar));
+  ASSERT_NO_FATAL_FAILURE(press(161, kFarLink));
   ASSERT_NO_FATAL_FAILURE(pick_up());
   carry(kPressed + kCarried);
   ASSERT_NO_FATAL_FAILURE(put_down());
-  EXPECT_LT((moved - kCarried).norm(), 1e-9);
-  EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN) << "the hand is on it, as when it was picked up";
+  EXPECT_LT((displacement_m - kCarried).norm(), 1e-9);
+  EXPECT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN) << "the hand is on it, as when it was picked up";
   ASSERT_NO_FATAL_FAILURE(feel_both_places());
   // The hand picks the block up again at its new place.
   ASSERT_NO_FATAL_FAILURE(pick_up());
   carry(kPressed);
   ASSERT_NO_FATAL_FAILURE(put_down());
-  EXPECT_LT(moved.norm(), 1e-9);
+  EXPECT_LT(displacement_m.norm(), 1e-9);
   lead(kPressed);
-  EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+  EXPECT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN);
 }
 
 // Datagrams of the old place come late, twice, after those of the new one, or never.
@@ -27,8 +27,8 @@ TEST_F(MovableTouch, NothingOfTheOldPlaceIsFeltHoweverBadTheNetworkIs) {
   for (std::uint64_t seed = 1610; seed < 1616; ++seed) {
     SCOPED_TRACE(seed);
     const bool is_slow = seed % 2 == 0;
-    moved = Vec3::Zero();
-    checked = 0;
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
     ASSERT_NO_FATAL_FAILURE(
         press(seed, {.delay_ns = (is_slow ? 120 : 12) * kMs, .jitter_ns = (is_slow ? 200 : 30) * kMs, .loss = 0.25, .duplicate = 0.3}));
     ASSERT_NO_FATAL_FAILURE(pick_up());
@@ -40,7 +40,7 @@ TEST_F(MovableTouch, NothingOfTheOldPlaceIsFeltHoweverBadTheNetworkIs) {
 
 // A button that is pressed for a moment only moves nothing, and the hand keeps its contact.
 TEST_F(MovableTouch, AShortPressMovesNothing) {
-  ASSERT_NO_FATAL_FAILURE(press(162, kFar));
+  ASSERT_NO_FATAL_FAILURE(press(162, kFarLink));
   for (const int ms : {1, 20, 70, 110}) {
     system->device.buttons = 1;
     system->run_for_ns(ms * kMs);
@@ -48,10 +48,10 @@ TEST_F(MovableTouch, AShortPressMovesNothing) {
     system->run_for_ns(300 * kMs);
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
     ASSERT_TRUE(system->wait_for_patches());
-    moved = grasp().poses()[kBlock].p_m;
-    ASSERT_LT(moved.norm(), 1e-9);
+    displacement_m = grasp().poses()[kBlock].p_m;
+    ASSERT_LT(displacement_m.norm(), 1e-9);
     lead(kPressed);
-    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN) << ms;
+    EXPECT_NEAR(system->local_steps.back().force.force_n.z(), 2.0, kGridRoundingN) << ms;
   }
 }
 
@@ -59,9 +59,9 @@ TEST_F(MovableTouch, AShortPressMovesNothing) {
 TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
   for (const int after_ms : {0, 20, 50, 80, 300}) {
     SCOPED_TRACE(after_ms);
-    moved = Vec3::Zero();
-    checked = 0;
-    ASSERT_NO_FATAL_FAILURE(press(163, kFar));
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
+    ASSERT_NO_FATAL_FAILURE(press(163, kFarLink));
     system->device.buttons = 1;
     system->run_for_ns(after_ms * kMs);
     system->start_hub();
@@ -81,7 +81,7 @@ TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
 
 // A vision node undoes a pick-up: the hub drops its patches before the object is moved.
 TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
-  ASSERT_NO_FATAL_FAILURE(press(164, kFar));
+  ASSERT_NO_FATAL_FAILURE(press(164, kFarLink));
   lead(kPressed + Vec3(0, 0, 0.02));
   const auto vision = system->make_vision(1);
   system->run_for_ns(200 * kMs);
@@ -91,10 +91,10 @@ TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
     return grasp().poses()[kBlock].serial != serial;
   }));
   ASSERT_TRUE(expect_block());
-  const std::size_t before = checked;
+  const std::size_t before = checked_count;
   ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
-  EXPECT_EQ(system->touched.size(), before);
-  moved = kCarried;
+  EXPECT_EQ(system->local_steps.size(), before);
+  displacement_m = kCarried;
   ASSERT_TRUE(system->wait_for_patches());
   ASSERT_NO_FATAL_FAILURE(feel_both_places());
 }
@@ -103,15 +103,15 @@ TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
 TEST_F(MovableTouch, TheForceHasNoJump) {
   for (const int delay_ms : {6, 30}) {
     SCOPED_TRACE(delay_ms);
-    moved = Vec3::Zero();
-    checked = 0;
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
     ASSERT_NO_FATAL_FAILURE(press(165, {.delay_ns = delay_ms * kMs}, TouchChoice::automatic));
     std::size_t n = system->device.written.size();
     ASSERT_NO_FATAL_FAILURE(pick_up());
     carry(kPressed + kCarried);
     EXPECT_NEAR(system->force_n().norm(), 0.0, 1e-3) << "held in the air";
     ASSERT_NO_FATAL_FAILURE(put_down());
-    lead(kPressed + moved);
+    lead(kPressed + displacement_m);
     EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3);
     double fastest_n_per_s = 0.0;
     for (; n < system->device.written.size(); ++n) {
@@ -129,9 +129,9 @@ TEST_F(MovableTouch, TheForceHasNoJump) {
 TEST_F(MovableTouch, AHapticsNodeThatIsStartedAgainIsFeltAsItHasTheScene) {
   for (const int after_ms : {20, 70, 300}) {
     SCOPED_TRACE(after_ms);
-    moved = Vec3::Zero();
-    checked = 0;
-    ASSERT_NO_FATAL_FAILURE(press(166, kFar));
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
+    ASSERT_NO_FATAL_FAILURE(press(166, kFarLink));
     system->device.buttons = 1;
     system->run_for_ns(after_ms * kMs);
     system->kill_haptics();
@@ -153,15 +153,15 @@ TEST_F(MovableTouch, AHapticsNodeThatIsStartedAgainIsFeltAsItHasTheScene) {
 TEST_F(MovableTouch, AnObjectThatIsPickedUpAgainAtOnceIsFeltWhereItLiesInTheEnd) {
   for (const int after_ms : {0, 10, 40, 100}) {
     SCOPED_TRACE(after_ms);
-    moved = Vec3::Zero();
-    checked = 0;
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
     ASSERT_NO_FATAL_FAILURE(press(167, {.delay_ns = 30 * kMs, .jitter_ns = 20 * kMs, .loss = 0.1, .duplicate = 0.2}));
     ASSERT_NO_FATAL_FAILURE(pick_up());
     carry(kPressed + kCarried);
     system->device.buttons = 0;
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
-    EXPECT_EQ(system->touched.size(), checked);
-    moved = grasp().poses()[kBlock].p_m;
+    EXPECT_EQ(system->local_steps.size(), checked_count);
+    displacement_m = grasp().poses()[kBlock].p_m;
     system->run_for_ns(after_ms * kMs);
     ASSERT_NO_FATAL_FAILURE(pick_up());
     carry(kPressed + 0.5 * kCarried + Vec3(0, -0.03, 0));
@@ -170,13 +170,13 @@ TEST_F(MovableTouch, AnObjectThatIsPickedUpAgainAtOnceIsFeltWhereItLiesInTheEnd)
   }
 }
 
-// The hub stops wanting patches, and wants them again later: it has dropped the old ones, and gets patches of the new place.
+// The hub stops using patches, and requests them again later: it has dropped the old ones, and gets patches of the new place.
 TEST_F(MovableTouch, AnObjectThatMovesWhileTheForceIsRemoteIsFeltWhereItIs) {
   const LinkFaults slow{.delay_ns = 12 * kMs, .jitter_ns = 10 * kMs, .duplicate = 0.3};
   for (const bool is_held : {true, false}) {
     SCOPED_TRACE(is_held);
-    moved = Vec3::Zero();
-    checked = 0;
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
     ASSERT_NO_FATAL_FAILURE(press(169, slow, TouchChoice::automatic));
     if (is_held) {
       ASSERT_NO_FATAL_FAILURE(pick_up());
@@ -195,8 +195,8 @@ TEST_F(MovableTouch, AnObjectThatMovesWhileTheForceIsRemoteIsFeltWhereItIs) {
     system->run_for_ns(300 * kMs);
     system->device.buttons = 0;
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
-    EXPECT_EQ(system->touched.size(), checked);
-    moved = grasp().poses()[kBlock].p_m;
+    EXPECT_EQ(system->local_steps.size(), checked_count);
+    displacement_m = grasp().poses()[kBlock].p_m;
     system->set_faults(slow, slow);
     ASSERT_TRUE(system->wait_for_patches());
     ASSERT_NO_FATAL_FAILURE(feel_both_places());
@@ -208,19 +208,19 @@ TEST_F(MovableTouch, APickUpWhileTheLinkIsDownWaitsForIt) {
   const LinkFaults down{.loss = 1.0};
   for (const bool is_one_way : {false, true}) {
     SCOPED_TRACE(is_one_way);
-    moved = Vec3::Zero();
-    checked = 0;
-    ASSERT_NO_FATAL_FAILURE(press(168, kFar));
-    system->set_faults(down, is_one_way ? kFar : down);
+    displacement_m = Vec3::Zero();
+    checked_count = 0;
+    ASSERT_NO_FATAL_FAILURE(press(168, kFarLink));
+    system->set_faults(down, is_one_way ? kFarLink : down);
     system->device.buttons = 1;
     system->run_for_ns(500 * kMs);
     ASSERT_TRUE(expect_block());
-    EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3) << "as long as the hub has heard of the haptics node a moment ago";
+    EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3) << "as long as the last message of the haptics node is recent";
     system->run_for_ns(2000 * kMs);
     ASSERT_TRUE(expect_block());
     EXPECT_EQ(grasp().tool(), nullptr);
     EXPECT_EQ(system->force_n(), Vec3(Vec3::Zero()));
-    system->set_faults(kFar, kFar);
+    system->set_faults(kFarLink, kFarLink);
     system->run_for_ns(1000 * kMs);
     if (!grasp().is_busy()) {
       system->device.buttons = 0;

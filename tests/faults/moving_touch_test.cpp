@@ -19,7 +19,7 @@ namespace {
 constexpr double kBoxTopM = 0.05;
 constexpr double kBoxStiffness = 1000.0;
 // The rounding of vertices to a patch's grid, as a force.
-constexpr double kGridN = 1e-4;
+constexpr double kGridForceN = 1e-4;
 
 // The box that PressingDevice presses 2 mm deep.
 SceneObject pressed_box() {
@@ -50,35 +50,35 @@ Scene commanded_box() {
   return scene;
 }
 
-// Each direction takes 30 ms: the hub uses no remote force.
-void be_far(SimulatedSystem& system, double loss = 0.0) {
+// Sets a delay of 30 ms in each direction: the hub uses no remote force.
+void set_far_link(SimulatedSystem& system, double loss = 0.0) {
   const LinkFaults faults{.delay_ns = 30 * kMs, .jitter_ns = loss > 0.0 ? 10 * kMs : 0, .loss = loss};
   system.set_faults(faults, faults);
 }
 
 // The hand presses in while the haptics node is near, and stays when the node becomes far: a hand that begins inside gets no force.
-void press_in_and_be_far(SimulatedSystem& system, double loss = 0.0) {
+void press_in_then_set_far(SimulatedSystem& system, double loss = 0.0) {
   system.start_haptics();
   system.run_for_ns(500 * kMs);
   ASSERT_TRUE(system.wait_for_patches());
-  be_far(system, loss);
+  set_far_link(system, loss);
   system.run_for_ns(300 * kMs);
   ASSERT_TRUE(system.wait_for_patches());
-  system.touched.clear();
+  system.local_steps.clear();
 }
 
-double spring_n(double top_m, const SimulatedSystem::Touched& touched) {
-  return kBoxStiffness * std::max(0.0, top_m - touched.sample.p_WD.z());
+double spring_n(double top_m, const SimulatedSystem::LocalStep& step) {
+  return kBoxStiffness * std::max(0.0, top_m - step.sample.p_WD.z());
 }
 
 // Expects that the surface under the hand, which holds still, moves no faster than kMaxSurfaceSpeed.
 void expect_no_jump(const SimulatedSystem& system) {
-  ASSERT_GT(system.touched.size(), 1000U);
-  for (std::size_t n = 1; n < system.touched.size(); ++n) {
-    const std::int64_t passed_ns = system.touched[n].sample.time_ns - system.touched[n - 1].sample.time_ns;
+  ASSERT_GT(system.local_steps.size(), 1000U);
+  for (std::size_t n = 1; n < system.local_steps.size(); ++n) {
+    const std::int64_t passed_ns = system.local_steps[n].sample.time_ns - system.local_steps[n - 1].sample.time_ns;
     if (passed_ns > 2 * kMs) continue;  // the hub had not heard from the haptics node for a second
     const double most_n = kBoxStiffness * kMaxSurfaceSpeed * 1e-9 * static_cast<double>(passed_ns);
-    ASSERT_LE(std::abs(system.touched[n].force.force_n.z() - system.touched[n - 1].force.force_n.z()), most_n + 1e-6) << n;
+    ASSERT_LE(std::abs(system.local_steps[n].force.force_n.z() - system.local_steps[n - 1].force.force_n.z()), most_n + 1e-6) << n;
   }
 }
 
@@ -86,26 +86,26 @@ void expect_no_jump(const SimulatedSystem& system) {
 TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
   SimulatedSystem system(3, TouchChoice::patch);
   system.scene = rocking_box();
-  press_in_and_be_far(system);
+  press_in_then_set_far(system);
   const KeyframeMotion& motion = *system.scene.objects[0].motion;
   for (int n = 0; n < 20; ++n) {
     system.run_for_ns(97 * kMs);
     // The node has the scene time of a sample that the hub sent up to 50 ms, plus half a round trip, ago.
-    const auto known = std::find_if(system.touched.begin(), system.touched.end(), [&](const SimulatedSystem::Touched& one) {
+    const auto known = std::find_if(system.local_steps.begin(), system.local_steps.end(), [&](const SimulatedSystem::LocalStep& one) {
       return one.force.scene_time_ns == system.haptics->scene_time_ns();
     });
-    ASSERT_NE(known, system.touched.end()) << n;
+    ASSERT_NE(known, system.local_steps.end()) << n;
     EXPECT_LE(system.clock.now_ns() - known->sample.time_ns, 90 * kMs);
   }
-  ASSERT_GT(system.touched.size(), 1900U);
+  ASSERT_GT(system.local_steps.size(), 1900U);
   double least_n = 1e9;
   double most_n = 0.0;
-  for (std::size_t n = 1; n < system.touched.size(); ++n) {
-    const SimulatedSystem::Touched& one = system.touched[n];
-    const std::int64_t passed_ns = one.sample.time_ns - system.touched[n - 1].sample.time_ns;
-    ASSERT_EQ(one.force.scene_time_ns - system.touched[n - 1].force.scene_time_ns, passed_ns);
+  for (std::size_t n = 1; n < system.local_steps.size(); ++n) {
+    const SimulatedSystem::LocalStep& one = system.local_steps[n];
+    const std::int64_t passed_ns = one.sample.time_ns - system.local_steps[n - 1].sample.time_ns;
+    ASSERT_EQ(one.force.scene_time_ns - system.local_steps[n - 1].force.scene_time_ns, passed_ns);
     const double top_m = kBoxTopM + motion.pose_at(1e-9 * static_cast<double>(one.force.scene_time_ns)).translation().z();
-    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridN) << n;
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridForceN) << n;
     least_n = std::min(least_n, one.force.force_n.z());
     most_n = std::max(most_n, one.force.force_n.z());
   }
@@ -117,7 +117,7 @@ TEST(MovingTouch, HubAndHapticsNodeHaveTheObjectAtOnePlace) {
 TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
   SimulatedSystem system(4, TouchChoice::patch);
   system.scene = commanded_box();
-  press_in_and_be_far(system);
+  press_in_then_set_far(system);
   for (std::uint32_t request = 1; request <= 5; ++request) {
     system.haptics->mover.request(
         {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, request % 2 == 1 ? 0.001 : 0.0), .over_s = 0.05});
@@ -128,9 +128,9 @@ TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
   ASSERT_NE(motion, nullptr);
   EXPECT_EQ(motion->newest().serial, 5U);
   double most_n = 0.0;
-  for (const SimulatedSystem::Touched& one : system.touched) {
+  for (const SimulatedSystem::LocalStep& one : system.local_steps) {
     const double top_m = kBoxTopM + motion->pose_at(1e-9 * static_cast<double>(one.force.scene_time_ns)).translation().z();
-    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridN);
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_m, one), kGridForceN);
     most_n = std::max(most_n, one.force.force_n.z());
   }
   EXPECT_GT(most_n, 2.95);
@@ -141,7 +141,7 @@ TEST(MovingTouch, AProgramsMoveIsFeltAsItWasAnnounced) {
 TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
   SimulatedSystem system(5, TouchChoice::patch);
   system.scene = commanded_box();
-  press_in_and_be_far(system, 0.33);
+  press_in_then_set_far(system, 0.33);
   for (std::uint32_t request = 1; request <= 20; ++request) {
     system.haptics->mover.request(
         {.request = request, .object = {"box"}, .p_m = Vec3(0, 0, 0.0005 * static_cast<double>(request % 3)), .over_s = 0.02});
@@ -151,7 +151,7 @@ TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
   ASSERT_NO_FATAL_FAILURE(expect_no_jump(system));
   const CommandedMotion* motion = system.haptics->touch().find_commanded(0);
   const double top_m = kBoxTopM + motion->newest().to.p_S.z();
-  EXPECT_NEAR(system.touched.back().force.force_n.z(), spring_n(top_m, system.touched.back()), kGridN);
+  EXPECT_NEAR(system.local_steps.back().force.force_n.z(), spring_n(top_m, system.local_steps.back()), kGridForceN);
 }
 
 // A box whose top a program raises and lowers.
@@ -169,12 +169,12 @@ std::vector<ShapePart::Displacement> raised_top(const TriangleMesh& box, double 
 }
 
 // Runs until the haptics node has announced this many shapes. False: it does not.
-bool wait_for_shape(SimulatedSystem& system, std::uint64_t taken) {
-  for (int n = 0; n < 3000 && system.haptics->shaper().counts().shapes < taken; ++n) {
+bool wait_for_shape(SimulatedSystem& system, std::uint64_t shape_count) {
+  for (int n = 0; n < 3000 && system.haptics->shaper().counts().shapes < shape_count; ++n) {
     system.run_for_ns(2 * kMs);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  return system.haptics->shaper().counts().shapes >= taken;
+  return system.haptics->shaper().counts().shapes >= shape_count;
 }
 
 // Runs with pauses in real time, for the threads that prepare shapes.
@@ -189,9 +189,9 @@ void run_beside_builders(SimulatedSystem& system, int tens_of_ms) {
 TEST(MovingTouch, AProgramsShapeIsFeltAsItWasAnnounced) {
   SimulatedSystem system(8, TouchChoice::patch);
   system.scene = swelling_box();
-  press_in_and_be_far(system);
+  press_in_then_set_far(system);
   system.run_for_ns(4000 * kMs);  // until the median round trip is that of the far node
-  system.touched.clear();
+  system.local_steps.clear();
   std::vector<std::pair<ShapeStart, double>> starts = {{ShapeStart(), 0.0}};
   for (std::uint32_t shape = 1; shape <= 6; ++shape) {
     const double by_m = 0.0005 * static_cast<double>(shape % 3);
@@ -213,8 +213,8 @@ TEST(MovingTouch, AProgramsShapeIsFeltAsItWasAnnounced) {
     return top_m;
   };
   double most_n = 0.0;
-  for (const SimulatedSystem::Touched& one : system.touched) {
-    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_at(one.force.scene_time_ns), one), kGridN);
+  for (const SimulatedSystem::LocalStep& one : system.local_steps) {
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_at(one.force.scene_time_ns), one), kGridForceN);
     most_n = std::max(most_n, one.force.force_n.z());
   }
   EXPECT_GT(most_n, 2.95);
@@ -224,7 +224,7 @@ TEST(MovingTouch, AProgramsShapeIsFeltAsItWasAnnounced) {
 TEST(MovingTouch, LostShapesDoNotMakeTheSurfaceJump) {
   SimulatedSystem system(9, TouchChoice::patch);
   system.scene = swelling_box();
-  press_in_and_be_far(system, 0.33);
+  press_in_then_set_far(system, 0.33);
   double by_m = 0.0;
   for (std::uint32_t shape = 1; shape <= 40; ++shape) {
     by_m = 0.0005 * static_cast<double>(shape % 4);
@@ -234,14 +234,14 @@ TEST(MovingTouch, LostShapesDoNotMakeTheSurfaceJump) {
   by_m = 0.0015;
   system.haptics->deform(41, raised_top(*system.scene.objects[0].mesh, by_m), 0.03);
   const auto is_there = [&] {
-    const SimulatedSystem::Touched& last = system.touched.back();
-    return std::abs(last.force.force_n.z() - spring_n(kBoxTopM + by_m, last)) < kGridN;
+    const SimulatedSystem::LocalStep& last = system.local_steps.back();
+    return std::abs(last.force.force_n.z() - spring_n(kBoxTopM + by_m, last)) < kGridForceN;
   };
   for (int n = 0; n < 5000 && (n < 100 || !is_there()); ++n) {
     system.run_for_ns(20 * kMs);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  EXPECT_TRUE(is_there()) << system.touched.back().force.force_n.z();
+  EXPECT_TRUE(is_there()) << system.local_steps.back().force.force_n.z();
   EXPECT_GT(system.stats().patch_touch.shapes, 5U);
   ASSERT_NO_FATAL_FAILURE(expect_no_jump(system));
 }
@@ -262,23 +262,23 @@ TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
   const std::uint64_t local = system.stats().local_forces;
   system.run_for_ns(500 * kMs);
   EXPECT_EQ(system.stats().local_forces, local) << "remote again";
-  double worst_n = 0.0;
+  double largest_slew_n_per_s = 0.0;
   double least_n = 1e9;
   for (std::size_t n = first + 1; n < system.device.written.size(); ++n) {
     const auto& [force_n, time_ns] = system.device.written[n];
     const double passed_s = std::max(1e-3, 1e-9 * static_cast<double>(time_ns - system.device.written[n - 1].time_ns));
-    worst_n = std::max(worst_n, (force_n - system.device.written[n - 1].force_n).norm() / passed_s);
+    largest_slew_n_per_s = std::max(largest_slew_n_per_s, (force_n - system.device.written[n - 1].force_n).norm() / passed_s);
     least_n = std::min(least_n, force_n.z());
   }
   // The box moves with 5 mm/s at most; the remote force is 12 ms late at first, so that up to 0.06 N fade over 0.1 s.
-  EXPECT_LT(worst_n, kBoxStiffness * 0.005 + 4.0);
+  EXPECT_LT(largest_slew_n_per_s, kBoxStiffness * 0.005 + 4.0);
   EXPECT_GT(least_n, 1.8);
 }
 
 // After a request like that of `hapton set`, the force of the hub fades to the new stiffness, as when its source changes.
 TEST(MovingTouch, OtherMaterialsFadeInWhileTheHubComputesTheForce) {
   SimulatedSystem system(7, TouchChoice::patch);
-  press_in_and_be_far(system);
+  press_in_then_set_far(system);
   system.run_for_ns(500 * kMs);
   EXPECT_NEAR(system.force_n().z(), 2.0, 0.01);
   const std::size_t first = system.device.written.size();
@@ -288,11 +288,11 @@ TEST(MovingTouch, OtherMaterialsFadeInWhileTheHubComputesTheForce) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   EXPECT_NEAR(system.force_n().z(), 1.0, 0.01);
-  double worst_n = 0.0;
+  double largest_step_n = 0.0;
   for (std::size_t n = first + 1; n < system.device.written.size(); ++n) {
-    worst_n = std::max(worst_n, (system.device.written[n].force_n - system.device.written[n - 1].force_n).norm());
+    largest_step_n = std::max(largest_step_n, (system.device.written[n].force_n - system.device.written[n - 1].force_n).norm());
   }
-  EXPECT_LT(worst_n, 0.03) << "1 N over 0.1 s";
+  EXPECT_LT(largest_step_n, 0.03) << "1 N over 0.1 s";
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace hapton {
 // advances from event to event, and a node whose datagram or time has come gets its turn. Each direction has its own FaultInjector.
 class SimulatedNetwork {
  public:
-  static constexpr std::int64_t kTurnNs = 20'000'000;   // a node gets a turn at least so often
+  static constexpr std::int64_t kTurnNs = 20'000'000;   // a node gets a turn at least this often
   static constexpr std::size_t kInboxDatagrams = 4096;  // capacity of a frozen node's socket buffer
 
   SimulatedNetwork(SimulatedClock& clock, std::uint64_t seed) : clock_(clock), to_hub_(seed), to_nodes_(seed + 1) {}
@@ -102,9 +102,9 @@ class SimulatedNetwork {
   }
 
   void send(const Address& from, const Address& to, std::span<const std::byte> bytes) {
-    const bool is_up = to == hub_;
-    if (is_up && find(from) == nodes_.end()) return;
-    const Fate fate = (is_up ? to_hub_ : to_nodes_).draw(clock_.now_ns());
+    const bool is_to_hub = to == hub_;
+    if (is_to_hub && find(from) == nodes_.end()) return;
+    const Fate fate = (is_to_hub ? to_hub_ : to_nodes_).draw(clock_.now_ns());
     if (fate.kind != Fate::Kind::passed) return;
     std::vector<std::byte> copy(bytes.begin(), bytes.end());
     if (fate.corrupt) damage_bytes(copy, fate.damage);
@@ -140,11 +140,11 @@ class SimulatedNetwork {
     const auto turn = std::min_element(nodes_.begin(), nodes_.end(), [](const Node& a, const Node& b) {
       return (a.is_frozen ? INT64_MAX : a.next_turn_ns) < (b.is_frozen ? INT64_MAX : b.next_turn_ns);
     });
-    const std::int64_t arrives_ns = arrival == in_flight_.end() ? INT64_MAX : arrival->due_ns;
-    const std::int64_t turns_ns = turn == nodes_.end() || turn->is_frozen ? INT64_MAX : turn->next_turn_ns;
-    if (std::min(arrives_ns, turns_ns) > end_ns) return false;
-    clock_.sleep_until_ns(std::min(arrives_ns, turns_ns));
-    if (arrives_ns <= turns_ns) {
+    const std::int64_t arrival_ns = arrival == in_flight_.end() ? INT64_MAX : arrival->due_ns;
+    const std::int64_t turn_ns = turn == nodes_.end() || turn->is_frozen ? INT64_MAX : turn->next_turn_ns;
+    if (std::min(arrival_ns, turn_ns) > end_ns) return false;
+    clock_.sleep_until_ns(std::min(arrival_ns, turn_ns));
+    if (arrival_ns <= turn_ns) {
       InFlight datagram = std::move(*arrival);
       in_flight_.erase(arrival);
       deliver(std::move(datagram));

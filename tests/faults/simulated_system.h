@@ -59,14 +59,14 @@ class PressingDevice final : public Device {
   DeviceSample read(std::int64_t now_ns) noexcept override {
     if (begin_ns_ == 0) begin_ns_ = now_ns;
     if (target) {
-      const Vec3 left = *target - place_;
-      place_ += left.norm() <= target_step_m ? left : Vec3(left.normalized() * target_step_m);
-      return {now_ns, place_, Quat::Identity(), buttons};
+      const Vec3 left = *target - position_m_;
+      position_m_ += left.norm() <= target_step_m ? left : Vec3(left.normalized() * target_step_m);
+      return {now_ns, position_m_, Quat::Identity(), buttons};
     }
     const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
     const double x_m = 0.01 + 0.001 * std::sin(1e-9 * static_cast<double>(now_ns - begin_ns_));
-    place_ = Vec3(x_m, 0.02, 0.06 - 0.012 * share);
-    return {now_ns, place_, Quat::Identity(), buttons};
+    position_m_ = Vec3(x_m, 0.02, 0.06 - 0.012 * share);
+    return {now_ns, position_m_, Quat::Identity(), buttons};
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
@@ -79,7 +79,7 @@ class PressingDevice final : public Device {
 
  private:
   DeviceLimits limits_ = model_a::limits();
-  Vec3 place_ = Vec3::Zero();
+  Vec3 position_m_ = Vec3::Zero();
   std::int64_t begin_ns_ = 0;
 };
 
@@ -97,24 +97,24 @@ class SimulatedHaptics {
         endpoint_(network.open_node(at, [this] { turn(); })),
         sealed_(*endpoint_, clock, RoleKey(key, KeyRole::haptics), hub, sealing),
         client_(sealed_, clock, NodeRole::haptics, hub),
-        touched_(scene.objects.empty() ? box() : scene.touch_scene()),
-        step_(std::make_unique<TouchStep>(*make_method(settings(), touched_), touched_), 1e-5),
-        builder_(settings(), touched_),
+        touch_scene_(scene.objects.empty() ? box() : scene.touch_scene()),
+        step_(std::make_unique<TouchStep>(*make_method(settings(), touch_scene_), touch_scene_), 1e-5),
+        builder_(settings(), touch_scene_),
         loop_(client_, clock, step_, builder_, {.method = {"name=proxy"}}, builds_on_approach),
-        patches_(touched_, 0.0, 1, true) {
+        patches_(touch_scene_, 0.0, 1, true) {
     loop_.set_patch_sender(&patches_);
     if (!scene.objects.empty()) loop_.set_object_mover(&mover);
-    if (touched_.has_streamed()) {
+    if (touch_scene_.has_streamed()) {
       loop_.set_object_shaper(&shaper_.emplace(scene, step_.touch(), 77U));
       shaper_->start();
     }
     const auto movable = list_movable(scene);
     if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
-    step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U), make_tool_obstacles(touched_).parts);
+    step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U), make_tool_obstacles(touch_scene_).parts);
     material_task_.emplace(scene, 0.0);
     const auto on_scene = [this](const TouchScene& now, std::uint32_t revision) { patches_.set_scene(now, 0, revision); };
     grasp_task_.emplace(GraspTask::Options{.on_scene = on_scene}, scene, std::vector<PutDown>(), grasp_link_, *material_task_, builder_,
-                        own_time_);
+                        real_clock_);
     grasp_task_->start();
   }
   ~SimulatedHaptics() { network_.kill(at_); }
@@ -137,11 +137,11 @@ class SimulatedHaptics {
   const ObjectShaper& shaper() const { return *shaper_; }
   // Sets the scene, as the file watcher of the node does when the scene's file was saved again.
   void set_scene(const Scene& scene) {
-    touched_ = scene.touch_scene();
+    touch_scene_ = scene.touch_scene();
     const auto made = make_new_scene(scene, 0.0, ++revision_, false);
     const auto built = builder_.rebuild_for(made);
     EXPECT_TRUE(built) << built.error().what;
-    patches_.set_scene(touched_, made->hash);
+    patches_.set_scene(touch_scene_, made->hash);
   }
   // Sets materials, as the node's MaterialTask does when it accepts a request.
   void set_materials(const std::vector<Material>& materials) {
@@ -166,14 +166,14 @@ class SimulatedHaptics {
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_;
-  TouchScene touched_;
+  TouchScene touch_scene_;
   HapticsStep step_;
   MethodBuilder builder_;
   ReplyLoop loop_;
   PatchSender patches_;
   std::optional<ObjectShaper> shaper_;
   std::uint32_t revision_ = 0;
-  SteadyClock own_time_;
+  SteadyClock real_clock_;
   GraspLink grasp_link_;
   std::optional<Grasp> grasp_;
   std::optional<MaterialTask> material_task_;
@@ -197,7 +197,7 @@ class SimulatedVision {
   SimulatedVision& operator=(const SimulatedVision&) = delete;
 
   const Address& address() const { return at_; }
-  int seen() const { return seen_; }
+  int received_states() const { return received_states_; }
   void send(const Message& message) { client_.send(message); }
 
  private:
@@ -206,7 +206,7 @@ class SimulatedVision {
     while (client_.receive(datagram, clock_.now_ns())) {
       const auto* state = std::get_if<ProbeState>(&datagram.message);
       if (state == nullptr) continue;
-      ++seen_;
+      ++received_states_;
       for (int n = 0; n < acks_per_state_; ++n) {
         client_.send(FrameAck{state->sample, state->sample_time_ns, 60.0F, 1000});
         if (n > 0) client_.send(HandTarget{});
@@ -221,7 +221,7 @@ class SimulatedVision {
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_;
-  int seen_ = 0;
+  int received_states_ = 0;
 };
 
 // The hub with device side and network side, and a haptics node over a network with given faults; all product code, except for the clock.
@@ -256,8 +256,8 @@ class SimulatedSystem {
     local_ = std::make_unique<LocalPatch>();
     patch_thread_ = std::make_unique<PatchThread>(*local_);
     patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *patch_thread_, touch_);
-    touch_tap_.emplace(*local_, touched);
-    network_loop->device_loop().set_local_touch(&*touch_tap_);
+    touch_recorder_.emplace(*local_, local_steps);
+    network_loop->device_loop().set_local_touch(&*touch_recorder_);
     network_loop->set_patch_link(patch_link_.get());
   }
 
@@ -312,7 +312,7 @@ class SimulatedSystem {
     const std::int64_t end_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < end_ns) {
       run_for_ns(5 * kMs);
-      const bool is_late = !touched.empty() && touched.back().is_beyond;
+      const bool is_late = !local_steps.empty() && local_steps.back().is_beyond;
       std::this_thread::sleep_for(std::chrono::milliseconds(is_late ? 20 : 1));
     }
   }
@@ -324,14 +324,14 @@ class SimulatedSystem {
 
   // The time since which all written forces are zero; none: the newest one is not zero, or no force was written.
   std::optional<std::int64_t> zero_since_ns() const {
-    std::optional<std::int64_t> since;
+    std::optional<std::int64_t> zero_since;
     for (const auto& written : device.written) {
       if (written.force_n != Vec3::Zero())
-        since.reset();
-      else if (!since)
-        since = written.time_ns;
+        zero_since.reset();
+      else if (!zero_since)
+        zero_since = written.time_ns;
     }
-    return since;
+    return zero_since;
   }
   // The time of the first force at or after time_ns that is not zero; none: there is no such force.
   std::optional<std::int64_t> force_after_ns(std::int64_t time_ns) const {
@@ -341,9 +341,9 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
-  // A force that the hub computed itself, and its sample. is_beyond: the sample is past the edge of the hub's patches, and the next
+  // A force that the hub computed from patches, and its sample. is_beyond: the sample is past the edge of the hub's patches, and the next
   // patch is not there yet; on a busy machine the threads that send and build it may be late.
-  struct Touched {
+  struct LocalStep {
     DeviceSample sample;
     LocalForce force;
     bool is_beyond = false;
@@ -357,22 +357,22 @@ class SimulatedSystem {
   std::unique_ptr<SimulatedHaptics> haptics;
   Scene scene;                      // of haptics nodes that are started from now on; no objects: a box
   bool builds_on_approach = false;  // likewise
-  std::vector<Touched> touched;
+  std::vector<LocalStep> local_steps;
 
  private:
-  class TouchTap final : public LocalTouch {
+  class LocalTouchRecorder final : public LocalTouch {
    public:
-    TouchTap(LocalPatch& local, std::vector<Touched>& touched) : local_(local), touched_(touched) {}
+    LocalTouchRecorder(LocalPatch& local, std::vector<LocalStep>& local_steps) : local_(local), local_steps_(local_steps) {}
     std::optional<LocalForce> step(const DeviceSample& sample) noexcept override {
       const std::optional<LocalForce> force = local_.step(sample);
       const std::uint64_t before = std::exchange(beyond_steps_, local_.counts().beyond_steps);
-      if (force) touched_.push_back({sample, *force, beyond_steps_ > before});
+      if (force) local_steps_.push_back({sample, *force, beyond_steps_ > before});
       return force;
     }
 
    private:
     LocalPatch& local_;
-    std::vector<Touched>& touched_;
+    std::vector<LocalStep>& local_steps_;
     std::uint64_t beyond_steps_ = 0;
   };
 
@@ -386,7 +386,7 @@ class SimulatedSystem {
   TouchChoice touch_;
   double rate_hz_;
   std::unique_ptr<LocalPatch> local_;
-  std::optional<TouchTap> touch_tap_;
+  std::optional<LocalTouchRecorder> touch_recorder_;
   std::unique_ptr<PatchThread> patch_thread_;
   std::unique_ptr<PatchLink> patch_link_;
 };

@@ -37,20 +37,21 @@ void press_in_near(SimulatedSystem& system) {
   ASSERT_NEAR(system.force_n().z(), kForceN, kRoundingN);
 }
 
-struct Extent {
+// Of the forces on the motors.
+struct ForceRange {
   double least_n = 1e9;
-  double most_n = -1e9;
-  double worst_step_n = 0.0;
+  double largest_n = -1e9;
+  double largest_step_n = 0.0;
 };
-Extent extent_since(const PressingDevice& device, std::size_t first) {
-  Extent extent;
+ForceRange force_range_since(const PressingDevice& device, std::size_t first) {
+  ForceRange range;
   for (std::size_t n = first; n < device.written.size(); ++n) {
     const Vec3& force_n = device.written[n].force_n;
-    extent.least_n = std::min(extent.least_n, force_n.z());
-    extent.most_n = std::max(extent.most_n, force_n.norm());
-    if (n > first) extent.worst_step_n = std::max(extent.worst_step_n, (force_n - device.written[n - 1].force_n).norm());
+    range.least_n = std::min(range.least_n, force_n.z());
+    range.largest_n = std::max(range.largest_n, force_n.norm());
+    if (n > first) range.largest_step_n = std::max(range.largest_step_n, (force_n - device.written[n - 1].force_n).norm());
   }
-  return extent;
+  return range;
 }
 
 // Round trips are long and short, single datagrams and bursts are lost, jitter crosses both limits. Three vision nodes are connected.
@@ -59,8 +60,8 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
     SCOPED_TRACE(rate_hz);
     SimulatedSystem system(11, TouchChoice::automatic, rate_hz);
     ASSERT_NO_FATAL_FAILURE(press_in_near(system));
-    std::vector<std::unique_ptr<SimulatedVision>> lookers;
-    for (int n = 0; n < 3; ++n) lookers.push_back(system.make_vision(1));
+    std::vector<std::unique_ptr<SimulatedVision>> visions;
+    for (int n = 0; n < 3; ++n) visions.push_back(system.make_vision(1));
     const std::size_t first = system.device.written.size();
     const auto run = [&](const LinkFaults& faults, double seconds) {
       system.set_faults(faults, faults);
@@ -89,9 +90,9 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
       run(one_way(0.2), 0.2);
       EXPECT_EQ(system.stats().local_forces, local);
     }
-    const Extent extent = extent_since(system.device, first);
-    EXPECT_GT(extent.least_n, kForceN - kRoundingN);
-    EXPECT_LT(extent.most_n, kForceN + kRoundingN);
+    const ForceRange range = force_range_since(system.device, first);
+    EXPECT_GT(range.least_n, kForceN - kRoundingN);
+    EXPECT_LT(range.largest_n, kForceN + kRoundingN);
     EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
   }
 }
@@ -109,13 +110,13 @@ TEST(TouchChoice, ANetworkThatHasBecomeFastIsChosenForOnce) {
   const std::size_t first = system.device.written.size();
   int changes = 0;
   for (int n = 0; n < 800; ++n) {
-    const bool wanted = system.wants_patches();
+    const bool wanted_patches = system.wants_patches();
     system.run_for_ns(10 * kMs);
-    changes += system.wants_patches() != wanted ? 1 : 0;
+    changes += system.wants_patches() != wanted_patches ? 1 : 0;
   }
   EXPECT_EQ(changes, 1);
   EXPECT_FALSE(system.wants_patches());
-  EXPECT_GT(extent_since(system.device, first).least_n, kForceN - kRoundingN);
+  EXPECT_GT(force_range_since(system.device, first).least_n, kForceN - kRoundingN);
 }
 
 // Another haptics node with the same scene is started: first one with a long round trip, then one with a short one.
@@ -172,10 +173,10 @@ TEST(TouchChoice, ASceneThatIsReadAgainFadesInWhereverTheForceIsComputed) {
       }
       EXPECT_NEAR(system.force_n().z(), force_n, kRoundingN);
     }
-    const Extent extent = extent_since(system.device, first);
-    EXPECT_LT(extent.worst_step_n, 2.0 * kStiffness * kLowerM * 1e-3 / ForceFade::kInContactS + kRoundingN);
-    EXPECT_GT(extent.least_n, kForceN - 2.0 * kStiffness * kLowerM - kRoundingN);
-    EXPECT_LT(extent.most_n, kForceN + kRoundingN);
+    const ForceRange range = force_range_since(system.device, first);
+    EXPECT_LT(range.largest_step_n, 2.0 * kStiffness * kLowerM * 1e-3 / ForceFade::kInContactS + kRoundingN);
+    EXPECT_GT(range.least_n, kForceN - 2.0 * kStiffness * kLowerM - kRoundingN);
+    EXPECT_LT(range.largest_n, kForceN + kRoundingN);
     EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
   }
 }
@@ -220,10 +221,10 @@ TEST(TouchChoice, AnotherMaterialFadesInWhereverTheForceIsComputed) {
   ASSERT_TRUE(system.wait_for_patches());
   system.run_for_ns(500 * kMs);
   expect_changed();
-  const Extent extent = extent_since(system.device, first);
-  EXPECT_LT(extent.worst_step_n, 2.0 * 0.5 * kForceN * 1e-3 / ForceFade::kInContactS + kRoundingN);
-  EXPECT_GT(extent.least_n, 0.5 * kForceN - kRoundingN);
-  EXPECT_LT(extent.most_n, kForceN + kRoundingN);
+  const ForceRange range = force_range_since(system.device, first);
+  EXPECT_LT(range.largest_step_n, 2.0 * 0.5 * kForceN * 1e-3 / ForceFade::kInContactS + kRoundingN);
+  EXPECT_GT(range.least_n, 0.5 * kForceN - kRoundingN);
+  EXPECT_LT(range.largest_n, kForceN + kRoundingN);
   EXPECT_EQ(system.stats().governor.counters.command_timeouts, 0U);
 }
 

@@ -14,9 +14,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kACycleNs = kMs;
+constexpr std::int64_t kServoCycleNs = kMs;
 // The force must end 20 ms after the sample that the last force replies to. From patches it may last kMaxSilenceNs longer.
-constexpr std::int64_t kRemoteReleaseNs = 20 * kMs + kACycleNs;
+constexpr std::int64_t kRemoteReleaseNs = 20 * kMs + kServoCycleNs;
 
 struct FaultRow {
   std::string name;
@@ -98,21 +98,21 @@ void run_row(const FaultRow& row, TouchChoice touch) {
   SimulatedSystem system(1, touch);
   ASSERT_NO_FATAL_FAILURE(press_in(system, touch));
   const std::int64_t release_ns = kRemoteReleaseNs + (touch == TouchChoice::patch ? PatchLink::kMaxSilenceNs : 0);
-  const std::int64_t began_ns = system.clock.now_ns();
+  const std::int64_t fault_begin_ns = system.clock.now_ns();
   row.begin(system);
   system.run_for_ns(row.lasts_ns);
   if (row.takes_haptics_away && row.lasts_ns > 0) {
     const auto zero_ns = system.zero_since_ns();
     EXPECT_EQ(zero_ns.has_value(), row.lasts_ns > release_ns);
-    // The last datagram of the haptics node came up to one cycle before `began_ns`.
-    EXPECT_LE(zero_ns.value_or(began_ns) - began_ns, release_ns);
+    // The last datagram of the haptics node came up to one cycle before `fault_begin_ns`.
+    EXPECT_LE(zero_ns.value_or(fault_begin_ns) - fault_begin_ns, release_ns);
   }
   row.end(system);
-  const std::int64_t ended_ns = system.clock.now_ns();
+  const std::int64_t fault_end_ns = system.clock.now_ns();
   system.run_for_ns(row.felt_after_ns + 500 * kMs);
-  const auto force_ns = system.force_after_ns(ended_ns + 1);
+  const auto force_ns = system.force_after_ns(fault_end_ns + 1);
   ASSERT_TRUE(force_ns.has_value());
-  EXPECT_LE(*force_ns - ended_ns, row.felt_after_ns);
+  EXPECT_LE(*force_ns - fault_end_ns, row.felt_after_ns);
   EXPECT_NEAR(system.force_n().z(), 2.0, 0.05);
   if (touch == TouchChoice::patch) {
     EXPECT_TRUE(system.wait_for_patches()) << "patches take over again";
