@@ -7,17 +7,17 @@
 FUZZ_TARGET(codec) {
   using namespace hapton;
   static Codec codec;
-  Datagram arrived;
-  const DecodeStatus status = codec.decode(std::as_bytes(bytes), arrived);
+  Datagram received;
+  const DecodeStatus status = codec.decode(std::as_bytes(bytes), received);
   if (status != DecodeStatus::truncated && status != DecodeStatus::wrong_version) fuzz::note_passage();
   if (status != DecodeStatus::ok) return;
-  std::array<std::byte, kMaxDatagramBytes> said;
-  const std::size_t size = codec.encode(arrived, said);
+  std::array<std::byte, kMaxDatagramBytes> encoded;
+  const std::size_t size = codec.encode(received, encoded);
   if (size == 0) return;  // too long: unknown fields are dropped, but optional vectors that were absent are written
   Datagram again;
-  fuzz::require(codec.decode(std::span(said).first(size), again) == DecodeStatus::ok);
-  fuzz::require(again.message.index() == arrived.message.index());
-  fuzz::require(again.header.sequence == arrived.header.sequence);
+  fuzz::require(codec.decode(std::span(encoded).first(size), again) == DecodeStatus::ok);
+  fuzz::require(again.message.index() == received.message.index());
+  fuzz::require(again.header.sequence == received.header.sequence);
 }
 
 namespace {

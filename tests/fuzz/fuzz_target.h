@@ -98,9 +98,9 @@ inline bool is_plain() {
 // One change in eight ignores the checks, so that the checks themselves are tested as well.
 inline Bytes mutate_or_break(Mutate mutate, std::span<const std::uint8_t> bytes, Mutation& mutation) {
   Bytes input(bytes.begin(), bytes.end());
-  if (is_plain() || mutation.one_in(8)) return mutation.change(std::move(input), mutation.most());
+  if (is_plain() || mutation.one_in(8)) return mutation.change(std::move(input), mutation.max_size());
   Bytes changed = mutate(bytes, mutation);
-  return changed.size() <= mutation.most() ? changed : mutation.change(std::move(input), mutation.most());
+  return changed.size() <= mutation.max_size() ? changed : mutation.change(std::move(input), mutation.max_size());
 }
 
 }  // namespace hapton::fuzz

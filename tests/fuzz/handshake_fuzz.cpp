@@ -17,10 +17,10 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// One end of the connection, held by the attacker.
-class HeldEndpoint final : public Endpoint {
+// One end of the connection. The attacker gets all that is sent, and chooses what is received.
+class AttackedEndpoint final : public Endpoint {
  public:
-  explicit HeldEndpoint(const Address& at) : at_(at) {}
+  explicit AttackedEndpoint(const Address& at) : at_(at) {}
   bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
     if (sent.size() < 64) sent.emplace_back(datagram.begin(), datagram.end());
     return true;
@@ -68,7 +68,8 @@ LinkKey some_key() {
   return LinkKey(bytes);
 }
 
-class Line {
+// A hub and a node whose datagrams pass through the attacker. A word is a number that one of them sends to the other.
+class AttackedConnection {
  public:
   void run(Script script) {
     while (!script.is_over()) step(script);
@@ -78,9 +79,9 @@ class Line {
   void step(Script& script) {
     switch (script.next() % 12) {
       case 0:
-        return say(true);
+        return send_word(true);
       case 1:
-        return say(false);
+        return send_word(false);
       case 2:
         return deliver(pick(node_end_.sent, script), true);
       case 3:
@@ -106,10 +107,10 @@ class Line {
     }
   }
 
-  void say(bool from_node) {
-    const std::uint32_t number = ++words_;
+  void send_word(bool from_node) {
+    const std::uint32_t number = ++sent_words_;
     const auto word = std::as_bytes(std::span(&number, 1));
-    (from_node ? said_by_node_ : said_by_hub_).insert(number);
+    (from_node ? sent_by_node_ : sent_by_hub_).insert(number);
     if (from_node) {
       node_.send(hub_end_.local_address(), word);
     } else {
@@ -134,37 +135,37 @@ class Line {
   Bytes tagged(Bytes bytes) const {
     if (classify_sealed(bytes).status != OpenStatus::opened || classify_sealed(bytes).kind == seal::Kind::data) return bytes;
     std::uint8_t* const text = seal::bytes_of(std::span(bytes));
-    const std::size_t tag_at = bytes.size() - seal::kTagBytes;
-    const seal::Tag tag = seal::compute_tag(handshake_key_, {text, tag_at});
-    std::copy(tag.begin(), tag.end(), text + tag_at);
+    const std::size_t tag_offset = bytes.size() - seal::kTagBytes;
+    const seal::Tag tag = seal::compute_tag(handshake_key_, {text, tag_offset});
+    std::copy(tag.begin(), tag.end(), text + tag_offset);
     return bytes;
   }
 
   void deliver(Bytes bytes, bool to_hub) {
     if (bytes.empty() || bytes.size() > kMaxDatagramBytes) return;
-    HeldEndpoint& end = to_hub ? hub_end_ : node_end_;
+    AttackedEndpoint& end = to_hub ? hub_end_ : node_end_;
     end.next = std::move(bytes);
     end.from = (to_hub ? node_end_ : hub_end_).local_address();
     end.has_next = true;
     std::array<std::byte, kMaxDatagramBytes> into;
     const Received received = to_hub ? hub_.receive(into, 0) : node_.receive(into, 0);
     end.has_next = false;
-    if (received.bytes != 0) arrived(std::span(into).first(received.bytes), to_hub);
+    if (received.bytes != 0) check_received(std::span(into).first(received.bytes), to_hub);
   }
 
-  void arrived(std::span<const std::byte> word, bool by_hub) {
+  void check_received(std::span<const std::byte> word, bool by_hub) {
     std::uint32_t number = 0;
     fuzz::require(word.size() == sizeof number);
     std::copy(word.begin(), word.end(), std::as_writable_bytes(std::span(&number, 1)).begin());
     // The other side sent it. While a new session is requested, a datagram is sent in both sessions: it may arrive once in each.
-    fuzz::require((by_hub ? said_by_node_ : said_by_hub_).contains(number));
+    fuzz::require((by_hub ? sent_by_node_ : sent_by_hub_).contains(number));
     const std::size_t times = (by_hub ? received_by_hub_ : received_by_node_).insert(number).second ? 1 : 2;
     if (times == 2) fuzz::require(by_hub && ++received_twice_ <= node_.seal_counts().handshakes);
   }
 
   SimulatedClock clock_;
-  HeldEndpoint hub_end_{memory_address(1, 4950)};
-  HeldEndpoint node_end_{memory_address(2, 9)};
+  AttackedEndpoint hub_end_{memory_address(1, 4950)};
+  AttackedEndpoint node_end_{memory_address(2, 9)};
   SealedHub hub_{hub_end_, clock_, some_key()};
   SealedClient node_{node_end_,
                      clock_,
@@ -172,9 +173,9 @@ class Line {
                      memory_address(1, 4950),
                      {.host = 1, .rekey_every_ns = 500 * kNanosecondsPerMillisecond}};
   seal::Secret handshake_key_ = seal::derive_handshake_key(RoleKey(some_key(), KeyRole::haptics));
-  std::uint32_t words_ = 0;
-  std::set<std::uint32_t> said_by_node_;
-  std::set<std::uint32_t> said_by_hub_;
+  std::uint32_t sent_words_ = 0;
+  std::set<std::uint32_t> sent_by_node_;
+  std::set<std::uint32_t> sent_by_hub_;
   std::set<std::uint32_t> received_by_hub_;
   std::set<std::uint32_t> received_by_node_;
   std::uint64_t received_twice_ = 0;
@@ -186,5 +187,5 @@ class Line {
 FUZZ_TARGET(handshake) {
   hapton::fuzz::require(hapton::fuzz::FixedRandom::install());
   hapton::fuzz::FixedRandom::restart();
-  hapton::Line().run(hapton::Script(bytes));
+  hapton::AttackedConnection().run(hapton::Script(bytes));
 }

@@ -28,15 +28,15 @@ std::int64_t start() {
   return kStartNs;
 }
 
-std::size_t tag_at(const Bytes& datagram) { return datagram.size() - kTagBytes; }
+std::size_t tag_offset(const Bytes& datagram) { return datagram.size() - kTagBytes; }
 
 Tag tag_of(const Bytes& datagram, KeyRole role) {
-  return compute_tag(derive_handshake_key(RoleKey(make_master(), role)), std::span(datagram).first(tag_at(datagram)));
+  return compute_tag(derive_handshake_key(RoleKey(make_master(), role)), std::span(datagram).first(tag_offset(datagram)));
 }
 
 void set_tag(Bytes& datagram, KeyRole role) {
   const Tag tag = tag_of(datagram, role);
-  std::copy(tag.begin(), tag.end(), datagram.begin() + static_cast<std::ptrdiff_t>(tag_at(datagram)));
+  std::copy(tag.begin(), tag.end(), datagram.begin() + static_cast<std::ptrdiff_t>(tag_offset(datagram)));
 }
 
 KeyRole role_in(const Bytes& request) { return find_node_key_role(request[kRoleAt]).value_or(KeyRole::haptics); }
@@ -46,7 +46,7 @@ KeyRole tag_role(const Bytes& datagram, KeyRole node_role) {
   return datagram[2] == static_cast<std::uint8_t>(Kind::request) ? role_in(datagram) : node_role;
 }
 
-void set_first(Bytes& request) {
+void set_noise_message(Bytes& request) {
   noise::Key secret;
   secret.fill(7);
   noise::HandshakeState state;
@@ -56,20 +56,20 @@ void set_first(Bytes& request) {
 
 }  // namespace
 
-bool HeldDatagram::send(const Address& to, std::span<const std::byte> datagram) noexcept {
+bool OneDatagramEndpoint::send(const Address& to, std::span<const std::byte> datagram) noexcept {
   const auto* const bytes = bytes_of(datagram);
   sent.push_back({to, Bytes(bytes, bytes + datagram.size())});
   return true;
 }
 
-Received HeldDatagram::receive(std::span<std::byte> into, std::int64_t) noexcept {
-  const Bytes bytes = std::exchange(held_, {});
+Received OneDatagramEndpoint::receive(std::span<std::byte> into, std::int64_t) noexcept {
+  const Bytes bytes = std::exchange(datagram_, {});
   std::copy(bytes.begin(), bytes.end(), bytes_of(into));
   return {.bytes = bytes.size(), .from = from_};
 }
 
-void HeldDatagram::hold(const Bytes& datagram, const Address& from) {
-  held_ = datagram;
+void OneDatagramEndpoint::hold(const Bytes& datagram, const Address& from) {
+  datagram_ = datagram;
   from_ = from;
 }
 
@@ -102,7 +102,7 @@ std::optional<Kind> find_handshake_kind(const Bytes& datagram) {
 
 bool has_tag(const Bytes& datagram, KeyRole node_role) {
   if (!find_handshake_kind(datagram)) return false;
-  return is_tag(tag_of(datagram, tag_role(datagram, node_role)), datagram.data() + tag_at(datagram));
+  return is_tag(tag_of(datagram, tag_role(datagram, node_role)), datagram.data() + tag_offset(datagram));
 }
 
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, const Cookie& cookie) {
@@ -112,7 +112,7 @@ Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, 
   store(host, request.data() + kHostAt);
   store(timestamp_ns, request.data() + kRequestTimestampAt);
   std::copy(cookie.begin(), cookie.end(), request.begin() + kRequestCookieAt);
-  set_first(request);
+  set_noise_message(request);
   set_tag(request, role);
   return request;
 }
@@ -145,18 +145,18 @@ std::optional<Bytes> make_reply(const Bytes& request, std::uint32_t connection) 
 }
 
 Cookie find_cookie(std::uint8_t node, std::int64_t now_ns) {
-  static std::map<std::pair<std::uint8_t, std::int64_t>, Cookie> known;
-  const auto [place, is_new] = known.try_emplace({node, now_ns / HubHandshake::kCookieTimeNs});
-  if (!is_new) return place->second;
+  static std::map<std::pair<std::uint8_t, std::int64_t>, Cookie> cookies;
+  const auto [cookie, is_new] = cookies.try_emplace({node, now_ns / HubHandshake::kCookieTimeNs});
+  if (!is_new) return cookie->second;
   start();
   SimulatedClock clock(now_ns);
-  HeldDatagram end(address_of_hub());
+  OneDatagramEndpoint end(address_of_hub());
   SealedHub hub(end, clock, make_master());
   end.hold(make_request(KeyRole::haptics, 1, now_ns, {}), address_of_node(node));
   std::array<std::byte, kMaxDatagramBytes> into;
   hub.receive(into, now_ns);
-  if (!end.sent.empty()) std::copy_n(end.sent[0].bytes.begin() + kCookieAt, kCookieBytes, place->second.begin());
-  return place->second;
+  if (!end.sent.empty()) std::copy_n(end.sent[0].bytes.begin() + kCookieAt, kCookieBytes, cookie->second.begin());
+  return cookie->second;
 }
 
 namespace {
@@ -179,19 +179,20 @@ Cookie random_cookie(Mutation& mutation) {
   return cookie;
 }
 
-// The time at which the datagram at index `place` is delivered.
-std::int64_t time_at(const std::vector<ListedDatagram>& datagrams, std::size_t place) {
+// The time at which the datagram with this index is delivered.
+std::int64_t time_at(const std::vector<ListedDatagram>& datagrams, std::size_t index) {
   std::int64_t now_ns = kStartNs;
-  for (std::size_t i = 0; i <= place; ++i) now_ns += datagrams[i].pause_ns();
+  for (std::size_t i = 0; i <= index; ++i) now_ns += datagrams[i].pause_ns();
   return now_ns;
 }
 
-// The datagram at index `place`, as an honest sender would have made it.
-Bytes make_honest(const std::vector<ListedDatagram>& datagrams, std::size_t place, Mutation& mutation) {
-  const ListedDatagram& at = datagrams[place];
-  const std::int64_t now_ns = time_at(datagrams, place);
-  if (!at.is_to_node()) {
-    return make_request(at.role(), 1 + mutation.below(3), now_ns + static_cast<std::int64_t>(place + 1), find_cookie(at.node(), now_ns));
+// The datagram with this index, as an honest sender would have made it.
+Bytes make_honest(const std::vector<ListedDatagram>& datagrams, std::size_t index, Mutation& mutation) {
+  const ListedDatagram& listed = datagrams[index];
+  const std::int64_t now_ns = time_at(datagrams, index);
+  if (!listed.is_to_node()) {
+    return make_request(listed.role(), 1 + mutation.below(3), now_ns + static_cast<std::int64_t>(index + 1),
+                        find_cookie(listed.node(), now_ns));
   }
   const Bytes& request = node_requests()[mutation.below(node_requests().size())];
   if (mutation.one_in(2)) return make_retry(load<std::int64_t>(request.data() + kRequestTimestampAt), random_cookie(mutation), kNodeRole);
@@ -206,7 +207,7 @@ void change_part(Bytes& datagram, std::size_t at, std::size_t size, Mutation& mu
 
 // Changes one field of a request, and mostly makes its Noise message and its cookie valid again.
 void change_request(Bytes& request, std::int64_t now_ns, std::uint8_t node, Mutation& mutation) {
-  bool is_first_changed = false;
+  bool is_noise_message_changed = false;
   switch (mutation.below(6)) {
     case 0:
       request[kRoleAt] =
@@ -222,38 +223,38 @@ void change_request(Bytes& request, std::int64_t now_ns, std::uint8_t node, Muta
     }
     case 3:
       change_part(request, kFirstAt, kFirstBytes, mutation);
-      is_first_changed = true;
+      is_noise_message_changed = true;
       break;
     case 4:
       change_part(request, kRequestCookieAt, kCookieBytes, mutation);
       break;
     default:
       change_part(request, kRoleAt, kRequestTagAt - kRoleAt, mutation);
-      is_first_changed = mutation.one_in(2);
+      is_noise_message_changed = mutation.one_in(2);
   }
   std::fill_n(request.begin() + kRoleAt + 1, 3, std::uint8_t{0});
-  if (!is_first_changed && mutation.below(8) != 0) set_first(request);
+  if (!is_noise_message_changed && mutation.below(8) != 0) set_noise_message(request);
   if (mutation.below(4) != 0) {
     const Cookie cookie = find_cookie(node, now_ns);
     std::copy(cookie.begin(), cookie.end(), request.begin() + kRequestCookieAt);
   }
 }
 
-void change_handshake(std::vector<ListedDatagram>& datagrams, std::size_t place, Mutation& mutation) {
-  ListedDatagram& at = datagrams[place];
-  const auto kind = find_handshake_kind(at.bytes);
+void change_handshake(std::vector<ListedDatagram>& datagrams, std::size_t index, Mutation& mutation) {
+  ListedDatagram& listed = datagrams[index];
+  const auto kind = find_handshake_kind(listed.bytes);
   if (!kind || mutation.one_in(8)) {
-    at.bytes = make_honest(datagrams, place, mutation);
+    listed.bytes = make_honest(datagrams, index, mutation);
     return;
   }
   if (*kind == Kind::request) {
-    change_request(at.bytes, time_at(datagrams, place), at.node(), mutation);
+    change_request(listed.bytes, time_at(datagrams, index), listed.node(), mutation);
   } else {
     // The timestamp says to which request this message replies: it mostly stays unchanged.
     const std::size_t from = mutation.one_in(4) ? kTimestampAt : kTimestampAt + 8;
-    change_part(at.bytes, from, tag_at(at.bytes) - from, mutation);
+    change_part(listed.bytes, from, tag_offset(listed.bytes) - from, mutation);
   }
-  set_tag(at.bytes, tag_role(at.bytes, kNodeRole));
+  set_tag(listed.bytes, tag_role(listed.bytes, kNodeRole));
 }
 
 }  // namespace
@@ -262,17 +263,17 @@ Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation)
   if (!FixedRandom::install()) return Bytes(input.begin(), input.end());
   std::vector<ListedDatagram> datagrams = split_datagrams(input);
   if (datagrams.empty() || mutation.one_in(12)) datagrams.push_back({static_cast<std::uint8_t>(mutation.below(32)), {}});
-  const std::size_t place = mutation.below(datagrams.size());
+  const std::size_t index = mutation.below(datagrams.size());
   switch (mutation.below(8)) {
     case 0:
       mutation.change_order(datagrams);
       break;
     case 1:
-      datagrams[place].flags ^= static_cast<std::uint8_t>(1U << mutation.below(5));
-      datagrams[place].bytes = make_honest(datagrams, place, mutation);
+      datagrams[index].flags ^= static_cast<std::uint8_t>(1U << mutation.below(5));
+      datagrams[index].bytes = make_honest(datagrams, index, mutation);
       break;
     default:
-      change_handshake(datagrams, place, mutation);
+      change_handshake(datagrams, index, mutation);
   }
   if (datagrams.size() > kMaxHandshakes) datagrams.resize(kMaxHandshakes);
   for (std::size_t i = 0; i < datagrams.size(); ++i) {

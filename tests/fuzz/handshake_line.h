@@ -14,10 +14,10 @@
 // them.
 namespace hapton::fuzz {
 
-// Keeps what is sent, and hands out once the datagram that hold() was given.
-class HeldDatagram final : public Endpoint {
+// Records what is sent. receive() returns the datagram of the last hold(), once.
+class OneDatagramEndpoint final : public Endpoint {
  public:
-  explicit HeldDatagram(const Address& at) : at_(at) {}
+  explicit OneDatagramEndpoint(const Address& at) : at_(at) {}
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return at_; }
@@ -33,7 +33,7 @@ class HeldDatagram final : public Endpoint {
 
  private:
   Address at_;
-  Bytes held_;
+  Bytes datagram_;
   Address from_;
 };
 
@@ -48,18 +48,18 @@ class HandshakeLine {
   const SealedHub& hub() const { return hub_; }
   const SealedClient& node() const { return node_; }
   // The datagrams that were sent, the newest last.
-  const std::vector<HeldDatagram::Sent>& from_hub() const { return hub_end_.sent; }
-  const std::vector<HeldDatagram::Sent>& from_node() const { return node_end_.sent; }
+  const std::vector<OneDatagramEndpoint::Sent>& from_hub() const { return hub_end_.sent; }
+  const std::vector<OneDatagramEndpoint::Sent>& from_node() const { return node_end_.sent; }
 
  private:
   SimulatedClock clock_;
-  HeldDatagram hub_end_;
-  HeldDatagram node_end_;
+  OneDatagramEndpoint hub_end_;
+  OneDatagramEndpoint node_end_;
   SealedHub hub_;
   SealedClient node_;
 };
 
-// Whether it is a request, a retry or a reply, by its kind and length; and whether it has the tag made with the key of its role.
+// Whether it is a request, a retry or a reply, by its kind and length. Whether it has the tag that the key of its role gives.
 std::optional<seal::Kind> find_handshake_kind(const Bytes& datagram);
 bool has_tag(const Bytes& datagram, KeyRole node_role);
 

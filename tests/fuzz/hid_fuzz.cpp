@@ -24,7 +24,7 @@ void for_each_report(std::span<const std::uint8_t> bytes, Take&& take) {
   }
 }
 
-void drive(HidBackend& backend, std::span<const std::uint8_t> bytes, double most_mn) {
+void drive(HidBackend& backend, std::span<const std::uint8_t> bytes, double max_force_mn) {
   DeviceExchange::Reading reading;
   std::int64_t now_ns = kNanosecondsPerSecond;
   for_each_report(bytes, [&](std::span<const std::uint8_t> report) {
@@ -34,8 +34,8 @@ void drive(HidBackend& backend, std::span<const std::uint8_t> bytes, double most
     std::array<std::uint8_t, 64> out;
     const std::size_t size = backend.encode({.force_n = Vec3(5, -5, 5)}, report.size() % 2 == 0, now_ns, out);
     fuzz::require(size > 0 && size <= out.size());
-    for (std::size_t at = 1; most_mn > 0.0 && at < 7; at += 2) {
-      fuzz::require(std::abs(static_cast<std::int16_t>(static_cast<std::uint16_t>(out[at] | (out[at + 1] << 8)))) <= most_mn);
+    for (std::size_t at = 1; max_force_mn > 0.0 && at < 7; at += 2) {
+      fuzz::require(std::abs(static_cast<std::int16_t>(static_cast<std::uint16_t>(out[at] | (out[at + 1] << 8)))) <= max_force_mn);
     }
   });
 }
@@ -53,20 +53,20 @@ void drive_wooden(std::span<const std::uint8_t> bytes, std::size_t report_bytes)
 // The first two reports are the device's description of itself.
 void drive_hapton_hid(std::span<const std::uint8_t> bytes) {
   FakeHid hid;
-  std::size_t used = 0;
+  std::size_t feature_bytes = 0;
   for (const std::size_t size : {hapton_hid::kLimitsBytes, hapton_hid::kNamesBytes}) {
-    const auto feature = bytes.subspan(used, std::min(size, bytes.size() - used));
+    const auto feature = bytes.subspan(feature_bytes, std::min(size, bytes.size() - feature_bytes));
     if (!feature.empty()) hid.set_feature(feature[0], FakeHid::Bytes(feature.begin(), feature.end()));
-    used += feature.size();
+    feature_bytes += feature.size();
   }
   const auto transport = hid.opener()();
   HaptonHidBackend backend;
-  if (const auto begun = backend.on_open(**transport); !begun) return fuzz::require(begun.error().what.find('\n') == std::string::npos);
+  if (const auto opened = backend.on_open(**transport); !opened) return fuzz::require(opened.error().what.find('\n') == std::string::npos);
   fuzz::require(backend.limits().max_force_n > 0.0 && backend.limits().max_force_n <= 200.0);
-  drive(backend, bytes.subspan(used), 0.0);
+  drive(backend, bytes.subspan(feature_bytes), 0.0);
 }
 
-void hold_space_mouse(std::span<const std::uint8_t> bytes) {
+void drive_space_mouse(std::span<const std::uint8_t> bytes) {
   SpaceMouseDecoder decoder;
   std::int64_t now_ns = kNanosecondsPerSecond;
   for_each_report(bytes, [&](std::span<const std::uint8_t> report) {
@@ -95,6 +95,6 @@ FUZZ_TARGET(hid) {
     case 3:
       return drive_hapton_hid(rest);
     default:
-      return hold_space_mouse(rest);
+      return drive_space_mouse(rest);
   }
 }

@@ -46,18 +46,18 @@ std::vector<ListedDatagram> sealed(std::initializer_list<SentMessage> all) {
   Codec codec;
   std::vector<ListedDatagram> datagrams;
   std::uint64_t number = 0;
-  for (const SentMessage& said : all) {
+  for (const SentMessage& sent : all) {
     ++number;
-    const ListedDatagram as{.flags = said.flags, .bytes = {}};
+    const ListedDatagram route{.flags = sent.flags, .bytes = {}};
     Datagram datagram;
-    const std::uint64_t sender = as.is_to_node() ? 1U : 10U + as.node();
+    const std::uint64_t sender = route.is_to_node() ? 1U : 10U + route.node();
     datagram.header = {.session = 1, .sender = sender, .sequence = number, .send_time_ns = kStartNs};
-    datagram.message = said.message;
+    datagram.message = sent.message;
     std::array<std::byte, kMaxDatagramBytes> into;
     const std::size_t size = codec.encode(datagram, into);
     const auto* const bytes = seal::bytes_of(std::span<std::byte>(into));
-    const OpenedData data{.connection = connection_of(as.node()), .counter = number, .payload = Bytes(bytes, bytes + size)};
-    datagrams.push_back({said.flags, seal_data(data, as)});
+    const OpenedData data{.connection = connection_of(route.node()), .counter = number, .payload = Bytes(bytes, bytes + size)};
+    datagrams.push_back({sent.flags, seal_data(data, route)});
   }
   return datagrams;
 }
@@ -258,7 +258,7 @@ bool write_patch() {
 
 // Writes messages with parts of a scene, one of each of these kinds, for target codec.
 bool write_codec_parts() {
-  const auto put = [](const char* name, const Message& message) {
+  const auto write_message = [](const char* name, const Message& message) {
     const Bytes bytes = encode(message, 1);
     std::ofstream file(std::filesystem::path(HAPTON_SOURCE_DIR) / "tests/fuzz/corpus/codec" / name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -277,13 +277,13 @@ bool write_codec_parts() {
   PatchStream stream{.epoch = 1, .serial = 5, .body = 1, .tile_count = 1, .total = 3, .reach_m = 0.01, .to_scene = Mat3::Identity()};
   stream.vertex_count = 3;
   stream.vertices = {0, 2, 1};
-  return put("patch_body", body) && put("patch_stream", stream) && put("patch_deformation", weights) &&
-         put("patch_displacements", displaced) &&
-         put("patch_effects", PatchEffects{.epoch = 1, .serial = 6, .part = 1, .byte_count = 3, .bytes = {8, 1, 7}}) &&
-         put("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
+  return write_message("patch_body", body) && write_message("patch_stream", stream) && write_message("patch_deformation", weights) &&
+         write_message("patch_displacements", displaced) &&
+         write_message("patch_effects", PatchEffects{.epoch = 1, .serial = 6, .part = 1, .byte_count = 3, .bytes = {8, 1, 7}}) &&
+         write_message("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
 }
 
-// The messages of target codec are kept; only their protocol version, the byte at offset 1, is set.
+// Leaves the messages of target codec as they are, except for their protocol version, the byte at offset 1.
 bool renew_codec() {
   for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/codec")) {
     std::fstream file(entry.path(), std::ios::binary | std::ios::in | std::ios::out);

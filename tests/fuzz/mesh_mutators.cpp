@@ -27,14 +27,15 @@ void store32(std::size_t value, std::uint8_t* into) {
 
 // Replaces one number of four bytes, at an offset that is a multiple of four.
 void change_float(Bytes& bytes, Mutation& mutation) {
-  constexpr std::uint32_t kOdd[] = {0,          0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 1,
-                                    0x7F7FFFFF, 0x3F800000, 0xBF800000, 0x1E3CE508, 0x5E0AC723, 0x33D6BF95};
-  const std::uint32_t bits = kOdd[mutation.below(std::size(kOdd))];
+  // 0, -0, infinite, not a number, the smallest and largest, 1, -1, and (about) 1e-20, 2.5e18 and 1e-7.
+  constexpr std::uint32_t kOddBits[] = {0,          0x80000000, 0x7F800000, 0xFF800000, 0x7FC00000, 1,
+                                        0x7F7FFFFF, 0x3F800000, 0xBF800000, 0x1E3CE508, 0x5E0AC723, 0x33D6BF95};
+  const std::uint32_t bits = kOddBits[mutation.below(std::size(kOddBits))];
   std::memcpy(bytes.data() + 4 * mutation.below(bytes.size() / 4), &bits, sizeof bits);
 }
 
-Bytes plain(std::span<const std::uint8_t> file, Mutation& mutation) {
-  return mutation.change(Bytes(file.begin(), file.end()), mutation.most());
+Bytes change_plainly(std::span<const std::uint8_t> file, Mutation& mutation) {
+  return mutation.change(Bytes(file.begin(), file.end()), mutation.max_size());
 }
 
 struct Chunk {
@@ -83,13 +84,13 @@ std::optional<std::pair<std::size_t, std::size_t>> find_number(std::string_view 
 }
 
 void change_json_number(std::string& text, Mutation& mutation) {
-  const auto place = find_number(text, mutation.below(text.size() + 1));
-  if (!place) return;
-  const std::string_view digits = std::string_view(text).substr(place->first, place->second);
+  const auto digit_range = find_number(text, mutation.below(text.size() + 1));
+  if (!digit_range) return;
+  const std::string_view digits = std::string_view(text).substr(digit_range->first, digit_range->second);
   std::uint64_t number = 0;
   std::from_chars(digits.data(), digits.data() + digits.size(), number);
   number = mutation.one_in(2) ? number + mutation.below(9) - 4 : mutation.odd_number();
-  text.replace(place->first, place->second, std::to_string(number));
+  text.replace(digit_range->first, digit_range->second, std::to_string(number));
 }
 
 // Sets the length that the JSON gives for the first buffer.
@@ -97,7 +98,7 @@ void set_buffer_length(std::string& text, std::size_t length) {
   const std::size_t buffers = text.find("\"buffers\"");
   const std::size_t at = text.find("\"byteLength\"", buffers);
   if (buffers == std::string::npos || at == std::string::npos) return;
-  if (const auto place = find_number(text, at)) text.replace(place->first, place->second, std::to_string(length));
+  if (const auto digit_range = find_number(text, at)) text.replace(digit_range->first, digit_range->second, std::to_string(length));
 }
 
 void change_json(Bytes& json, Mutation& mutation) {
@@ -146,7 +147,7 @@ bool has_glb_lengths(std::span<const std::uint8_t> file) {
 }
 
 Bytes mutate_stl(std::span<const std::uint8_t> file, Mutation& mutation) {
-  if (!has_stl_count(file) || file.size() == kStlHeaderBytes) return plain(file, mutation);
+  if (!has_stl_count(file) || file.size() == kStlHeaderBytes) return change_plainly(file, mutation);
   const auto header = file.first(kStlHeaderBytes);
   const auto body = file.subspan(kStlHeaderBytes);
   Bytes triangles(body.begin(), body.end());
@@ -167,7 +168,7 @@ Bytes mutate_stl(std::span<const std::uint8_t> file, Mutation& mutation) {
 
 Bytes mutate_glb(std::span<const std::uint8_t> file, Mutation& mutation) {
   auto chunks = split_glb(file);
-  if (!chunks || chunks->empty()) return plain(file, mutation);
+  if (!chunks || chunks->empty()) return change_plainly(file, mutation);
   Chunk& chunk = (*chunks)[mutation.below(chunks->size())];
   if (mutation.one_in(16)) {
     mutation.change_order(*chunks);

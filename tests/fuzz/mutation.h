@@ -17,14 +17,14 @@ using Bytes = std::vector<std::uint8_t>;
 // same seed and plain changes give the same input.
 class Mutation {
  public:
-  // Changes `size` bytes, with room for `most`, and returns how many there are then: LLVMFuzzerMutate, or its stand-in in tests.
+  // Changes `size` bytes, with room for `most` of them, and returns their new number: LLVMFuzzerMutate, or its stand-in in tests.
   using ChangeBytes = std::function<std::size_t(std::uint8_t* data, std::size_t size, std::size_t most)>;
 
   Mutation(std::uint64_t seed, std::size_t most, ChangeBytes change_bytes)
-      : random_(seed), most_(most), change_bytes_(std::move(change_bytes)) {}
+      : random_(seed), max_size_(most), change_bytes_(std::move(change_bytes)) {}
 
   // The largest size that an input may have, in bytes.
-  std::size_t most() const { return most_; }
+  std::size_t max_size() const { return max_size_; }
   // 0 .. n - 1. Pre: n > 0.
   std::size_t below(std::size_t n) { return random_() % n; }
   bool one_in(std::size_t n) { return below(n) == 0; }
@@ -65,18 +65,18 @@ class Mutation {
 
   // The bits of a double that readers may handle wrongly (zero, infinity, NaN, subnormal, huge, one), or any random bits.
   std::uint64_t odd_double_bits() {
-    constexpr std::uint64_t kOdd[] = {0,
-                                      0x8000000000000000,
-                                      0x7FF0000000000000,
-                                      0xFFF0000000000000,
-                                      0x7FF8000000000001,
-                                      1,
-                                      0x7FEFFFFFFFFFFFFF,
-                                      0x41CDCD6500000000,  // 1e9: the largest that the link accepts
-                                      0x41CDCD6500000001,
-                                      0x3FF0000000000000,
-                                      0xBFF0000000000000};
-    return one_in(3) ? random_() : kOdd[below(std::size(kOdd))];
+    constexpr std::uint64_t kOddBits[] = {0,
+                                          0x8000000000000000,
+                                          0x7FF0000000000000,
+                                          0xFFF0000000000000,
+                                          0x7FF8000000000001,
+                                          1,
+                                          0x7FEFFFFFFFFFFFFF,
+                                          0x41CDCD6500000000,  // 1e9: the largest that the link accepts
+                                          0x41CDCD6500000001,
+                                          0x3FF0000000000000,
+                                          0xBFF0000000000000};
+    return one_in(3) ? random_() : kOddBits[below(std::size(kOddBits))];
   }
 
   // Removes one item, repeats one, or swaps two. Pre: `items` is not empty.
@@ -107,16 +107,16 @@ class Mutation {
     return both;
   }
 
-  // Copies the input to where libFuzzer expects it, and returns its size. Pre: `into` has room for most().
+  // Copies the input to where libFuzzer expects it, and returns its size. Pre: `into` has room for max_size().
   std::size_t put(const Bytes& bytes, std::uint8_t* into) const {
-    const std::size_t size = std::min(bytes.size(), most_);
+    const std::size_t size = std::min(bytes.size(), max_size_);
     std::copy_n(bytes.begin(), size, into);
     return size;
   }
 
  private:
   std::mt19937_64 random_;
-  std::size_t most_;
+  std::size_t max_size_;
   ChangeBytes change_bytes_;
 };
 

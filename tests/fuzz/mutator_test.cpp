@@ -15,15 +15,15 @@ namespace hapton::fuzz {
 namespace {
 
 constexpr std::uint64_t kSeed = 13;
-constexpr std::size_t kMax = 4096;
+constexpr std::size_t kMaxInputBytes = 4096;
 
 // A stand-in for LLVMFuzzerMutate.
 Mutation::ChangeBytes plain_changes(std::mt19937_64& random) {
   return [&random](std::uint8_t* data, std::size_t size, std::size_t most) {
     const Bytes changed = mutate({Bytes(data, data + size)}, random);
-    const std::size_t kept = std::min(changed.size(), most);
-    std::copy_n(changed.begin(), kept, data);
-    return kept;
+    const std::size_t size_left = std::min(changed.size(), most);
+    std::copy_n(changed.begin(), size_left, data);
+    return size_left;
   };
 }
 
@@ -40,7 +40,7 @@ Bytes change_of(const std::string& target, const std::vector<Bytes>& corpus, std
   std::mt19937_64 random(kSeed + number);
   Bytes input = corpus[number % corpus.size()];
   for (std::uint64_t i = 0; i < changes; ++i) {
-    Mutation mutation(random(), kMax, plain_changes(random));
+    Mutation mutation(random(), kMaxInputBytes, plain_changes(random));
     input = mutators().at(target)(input, mutation);
   }
   return input;
@@ -82,11 +82,11 @@ TEST_P(Mutator, PassesChecksThatStopPlainChanges) {
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);
   const double plain = passing_share(c.target, kInputs, [&](std::uint64_t) { return mutate(corpus_, random); });
-  const double knowing = passing_share(c.target, kInputs, [&](std::uint64_t i) { return change_of(c.target, corpus_, i, 1 + i % 3); });
+  const double with_mutator = passing_share(c.target, kInputs, [&](std::uint64_t i) { return change_of(c.target, corpus_, i, 1 + i % 3); });
   RecordProperty("plain", std::to_string(plain));
-  RecordProperty("knowing", std::to_string(knowing));
-  EXPECT_GE(knowing, c.at_least);
-  EXPECT_GE(knowing, c.advantage * plain);
+  RecordProperty("knowing", std::to_string(with_mutator));
+  EXPECT_GE(with_mutator, c.at_least);
+  EXPECT_GE(with_mutator, c.advantage * plain);
 }
 
 TEST_P(Mutator, MakesManyDifferentInputs) {
@@ -95,18 +95,18 @@ TEST_P(Mutator, MakesManyDifferentInputs) {
   EXPECT_GE(different.size(), 120U);
 }
 
-TEST_P(Mutator, MakesTheSameOfTheSameSeed) {
+TEST_P(Mutator, MakesTheSameInputFromTheSameSeed) {
   for (std::uint64_t i = 0; i < 20; ++i) {
     EXPECT_EQ(change_of(GetParam().target, corpus_, i, 2), change_of(GetParam().target, corpus_, i, 2)) << i;
   }
 }
 
-TEST_P(Mutator, BearsBytesThatAreNoInput) {
+TEST_P(Mutator, AcceptsBytesThatAreNoInput) {
   for (std::uint64_t i = 0; i < 300; ++i) {
     std::mt19937_64 random(kSeed + i);
-    Bytes rubbish(random() % 300);
-    for (std::uint8_t& byte : rubbish) byte = static_cast<std::uint8_t>(random());
-    targets().at(GetParam().target)(change_of(GetParam().target, {rubbish}, i, 3));
+    Bytes junk(random() % 300);
+    for (std::uint8_t& byte : junk) byte = static_cast<std::uint8_t>(random());
+    targets().at(GetParam().target)(change_of(GetParam().target, {junk}, i, 3));
   }
   targets().at(GetParam().target)(change_of(GetParam().target, {Bytes()}, 0, 3));
 }
@@ -126,11 +126,11 @@ TEST(Mutator, KnowsEveryTargetThatItIsTestedWith) {
 
 class Crossover : public testing::TestWithParam<std::string> {};
 
-TEST_P(Crossover, ComesPastTheCheck) {
+TEST_P(Crossover, MostlyPassesTheCheck) {
   const std::vector<Bytes> corpus = read_corpus(GetParam());
   const double share = passing_share(GetParam(), 300, [&](std::uint64_t i) {
     std::mt19937_64 random(kSeed + i);
-    Mutation mutation(i, kMax, plain_changes(random));
+    Mutation mutation(i, kMaxInputBytes, plain_changes(random));
     return crossovers().at(GetParam())(corpus[i % corpus.size()], corpus[random() % corpus.size()], mutation);
   });
   EXPECT_GE(share, 0.5);

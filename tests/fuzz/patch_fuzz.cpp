@@ -62,8 +62,8 @@ class PatchHub {
       has_bodies_ = true;
     }
     make_patches();
-    const auto felt = chain_->step({.p_WD = p_WD, .dt_s = kStepS, .time_s = time_s_});
-    fuzz::require(!felt || felt->force_n.allFinite());
+    const auto force = chain_->step({.p_WD = p_WD, .dt_s = kStepS, .time_s = time_s_});
+    fuzz::require(!force || force->force_n.allFinite());
   }
 
   void make_patches() {
@@ -71,8 +71,8 @@ class PatchHub {
     for (std::uint32_t body = 0; body < bodies; ++body) {
       const auto time_ns = static_cast<std::int64_t>(1e9 * time_s_);
       const PatchHandState hand = chain_->hand_of(body, time_ns, time_ns);
-      const double known_m = store_.known_radius(hand.p_SD, body);
-      fuzz::require(!(known_m < 0.0));
+      const double known_radius_m = store_.known_radius(hand.p_SD, body);
+      fuzz::require(!(known_radius_m < 0.0));
       (void)chain_->take_retired(body);
       makers_[body].note_hand(hand);
       if (shapes_[body] == nullptr) shapes_[body] = makers_[body].make_stage_if_due(store_);
@@ -96,7 +96,7 @@ class PatchHub {
 
 fuzz::Bytes mutate_parts(std::span<const std::uint8_t> input, fuzz::Mutation& mutation) {
   std::vector<fuzz::ListedDatagram> parts = fuzz::split_datagrams(input);
-  if (parts.empty()) return mutation.change({}, mutation.most());
+  if (parts.empty()) return mutation.change({}, mutation.max_size());
   if (mutation.one_in(8)) {
     mutation.change_order(parts);
   } else {

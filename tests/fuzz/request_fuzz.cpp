@@ -10,7 +10,8 @@
 namespace hapton::fuzz {
 namespace {
 
-void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::map<std::uint8_t, std::ptrdiff_t>& owed) {
+// byte_balance: for each node, the bytes that it sent less those of the replies.
+void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::map<std::uint8_t, std::ptrdiff_t>& byte_balance) {
   const std::uint64_t rejected = line.hub().seal_counts().rejected();
   const std::uint64_t repeats = line.hub().seal_counts().repeats;
   const std::size_t sent = line.from_hub().size();
@@ -22,13 +23,13 @@ void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::ma
   const bool is_rejected = line.hub().seal_counts().rejected() == rejected + 1;
   const bool has_reply = line.from_hub().size() == sent + 1;
   require(is_rejected != has_reply);
-  owed[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());
+  byte_balance[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());
   if (!has_reply) return;
-  const HeldDatagram::Sent& reply = line.from_hub().back();
+  const OneDatagramEndpoint::Sent& reply = line.from_hub().back();
   require(has_tag(datagram.bytes, datagram.role()) && find_handshake_kind(datagram.bytes) == seal::Kind::request);
   require(reply.to == address_of_node(datagram.node()));
-  owed[datagram.node()] -= static_cast<std::ptrdiff_t>(reply.bytes.size());
-  require(owed[datagram.node()] >= 0);
+  byte_balance[datagram.node()] -= static_cast<std::ptrdiff_t>(reply.bytes.size());
+  require(byte_balance[datagram.node()] >= 0);
 }
 
 void deliver_to_node(HandshakeLine& line, const ListedDatagram& datagram) {
@@ -45,18 +46,18 @@ FUZZ_TARGET(request) {
   using namespace hapton;
   fuzz::require(fuzz::FixedRandom::install());
   fuzz::HandshakeLine line;
-  std::map<std::uint8_t, std::ptrdiff_t> owed;
-  bool holds = true;
+  std::map<std::uint8_t, std::ptrdiff_t> byte_balance;
+  bool all_tagged = true;
   const auto datagrams = fuzz::split_datagrams(bytes);
   for (const fuzz::ListedDatagram& datagram : datagrams) {
     if (datagram.bytes.empty() || datagram.bytes.size() > kMaxDatagramBytes) {
-      holds = false;
+      all_tagged = false;
       continue;
     }
-    holds = fuzz::has_tag(datagram.bytes, KeyRole::haptics) && holds;
-    datagram.is_to_node() ? fuzz::deliver_to_node(line, datagram) : fuzz::deliver_to_hub(line, datagram, owed);
+    all_tagged = fuzz::has_tag(datagram.bytes, KeyRole::haptics) && all_tagged;
+    datagram.is_to_node() ? fuzz::deliver_to_node(line, datagram) : fuzz::deliver_to_hub(line, datagram, byte_balance);
   }
-  if (holds && !datagrams.empty()) fuzz::note_passage();
+  if (all_tagged && !datagrams.empty()) fuzz::note_passage();
 }
 
 FUZZ_MUTATOR(request, hapton::fuzz::mutate_handshakes);

@@ -20,28 +20,28 @@ NodeRole allowed_role(KeyRole role) {
   return role == KeyRole::haptics ? NodeRole::haptics : role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
 }
 
-// Accepts all that is sent, and hands out once the payload that hold() was given.
-class HeldPayload final : public Endpoint {
+// Discards what is sent. receive() returns the payload of the last hold(), once.
+class OnePayloadEndpoint final : public Endpoint {
  public:
   bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
     fuzz::require(datagram.size() <= seal::kMaxPayloadBytes);
     return true;
   }
   Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
-    const std::size_t size = std::exchange(held, {}).size();
-    std::copy_n(bytes.begin(), size, into.begin());
+    const std::size_t size = std::exchange(payload_, {}).size();
+    std::copy_n(buffer_.begin(), size, into.begin());
     return {.bytes = size, .from = address_of_hub_};
   }
   Address local_address() const override { return fuzz::address_of_node(0); }
   void hold(std::span<const std::byte> payload) {
-    std::copy(payload.begin(), payload.end(), bytes.begin());
-    held = std::span(bytes).first(payload.size());
+    std::copy(payload.begin(), payload.end(), buffer_.begin());
+    payload_ = std::span(buffer_).first(payload.size());
   }
 
  private:
   Address address_of_hub_ = fuzz::address_of_hub();
-  std::array<std::byte, kMaxDatagramBytes> bytes = {};
-  std::span<std::byte> held;
+  std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
+  std::span<std::byte> payload_;
 };
 
 class Sessions {
@@ -100,7 +100,7 @@ class Sessions {
   }
 
   SimulatedClock clock_{1000 * kNanosecondsPerSecond};
-  HeldPayload endpoint_;
+  OnePayloadEndpoint endpoint_;
   HubPeers hub_{endpoint_, clock_, kHubSession, 1000.0};
   HubClient client_{endpoint_, clock_, NodeRole::haptics, fuzz::address_of_hub(), 1};
   std::array<SealedChannel, kNodes> at_hub_;
@@ -115,10 +115,10 @@ FUZZ_TARGET(sealed) {
   fuzz::require(fuzz::FixedRandom::install());
   fuzz::FixedRandom::restart();
   Sessions sessions;
-  bool holds = true;
+  bool all_opened = true;
   const auto datagrams = fuzz::split_datagrams(bytes);
-  for (const fuzz::ListedDatagram& datagram : datagrams) holds = sessions.deliver(datagram) && holds;
-  if (holds && !datagrams.empty()) fuzz::note_passage();
+  for (const fuzz::ListedDatagram& datagram : datagrams) all_opened = sessions.deliver(datagram) && all_opened;
+  if (all_opened && !datagrams.empty()) fuzz::note_passage();
 }
 
 FUZZ_MUTATOR(sealed, hapton::fuzz::mutate_sealed);

@@ -100,12 +100,12 @@ std::optional<OpenedData> open_data(const ListedDatagram& datagram) {
   return data;
 }
 
-Bytes seal_data(const OpenedData& data, const ListedDatagram& as) {
+Bytes seal_data(const OpenedData& data, const ListedDatagram& route) {
   Bytes sealed(data.payload.size() + kOverheadBytes);
   write_lead(Kind::data, sealed.data());
   store(data.connection, sealed.data() + kConnectionAt);
   store(data.counter, sealed.data() + kCounterAt);
-  noise::encrypt(key_of(as), data.counter, std::span(sealed).first(kHeaderBytes), data.payload, sealed.data() + kHeaderBytes);
+  noise::encrypt(key_of(route), data.counter, std::span(sealed).first(kHeaderBytes), data.payload, sealed.data() + kHeaderBytes);
   return sealed;
 }
 

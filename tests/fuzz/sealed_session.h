@@ -24,7 +24,8 @@ SealedChannel make_channel(std::uint8_t node, SealedChannel::Side side);
 
 // Decrypts with the key of its node and direction. None: the seal is not valid. Pre: seal::start_crypto() succeeded.
 std::optional<OpenedData> open_data(const ListedDatagram& datagram);
-Bytes seal_data(const OpenedData& data, const ListedDatagram& as);
+// Encrypts with the key of the node and direction of `route`.
+Bytes seal_data(const OpenedData& data, const ListedDatagram& route);
 
 // Opens the datagrams of a list, mutates their content and seals them again. Datagrams whose seal is not valid are kept unchanged.
 Bytes mutate_sealed(std::span<const std::uint8_t> input, Mutation& mutation);

@@ -55,7 +55,7 @@ Bytes join_session(const std::vector<Bytes>& messages) {
 
 Bytes mutate_session(std::span<const std::uint8_t> file, Mutation& mutation) {
   auto messages = split_session(file);
-  if (!messages || messages->empty()) return mutation.change(Bytes(file.begin(), file.end()), mutation.most());
+  if (!messages || messages->empty()) return mutation.change(Bytes(file.begin(), file.end()), mutation.max_size());
   if (mutation.one_in(4)) {
     mutation.change_order(*messages);
   } else {
