@@ -24,10 +24,10 @@ TEST(AxisMotion, StopsWhereTheFormulaOfCoulombFrictionSays) {
   // From 9.5 mm, with friction that holds within 2 mm: half swings about 2 mm and -2 mm turn at -5.5 mm and at 1.5 mm, where it sticks.
   const AxisMotion motion({.mass_kg = 0.5, .friction_n = 0.4}, {.stiffness_n_per_m = 200.0});
   AxisMotion::State state = motion.rest_at(0.0095);
-  const double half_ns = 1e9 * std::acos(-1.0) / 20.0;
-  motion.advance(state, {}, static_cast<std::int64_t>(half_ns));
+  const double half_period_ns = 1e9 * std::acos(-1.0) / 20.0;
+  motion.advance(state, {}, static_cast<std::int64_t>(half_period_ns));
   EXPECT_NEAR(state.position_m(), -0.0055, 1e-9);
-  motion.advance(state, {}, static_cast<std::int64_t>(half_ns) + kMs);
+  motion.advance(state, {}, static_cast<std::int64_t>(half_period_ns) + kMs);
   EXPECT_NEAR(state.position_m(), 0.0015, 1e-9);
   EXPECT_EQ(state.velocity_m_per_s(), 0.0);
   EXPECT_NEAR(state.lost_j, 0.4 * (0.015 + 0.007), 1e-8);

@@ -15,8 +15,8 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
   struct Row {
     const char* name;
     double mass_kg, damping, friction_n, step_m, force_n, stiffness;
-    double joint_n_per_m, beyond_kg, ratio;  // joint, and mass beyond it; 0: rigid
-    double half_m, ball_m;                   // workspace: half of a side, radius of the ball; 0: no ball
+    double joint_n_per_m, mass_beyond_kg, damping_ratio;  // joint, and mass beyond it; 0: rigid
+    double half_side_m, ball_radius_m;                    // workspace: half of a side, radius of the ball; 0: no ball
   };
   const Row rows[] = {{"premium-1.5", 0.075, 0.005, 0.04, 0.03e-3, 8.5, 800.0, 3500.0, 0.005, 0.2, 0.1, 0.0},
                       {"touch", 0.045, 0.1, 0.26, 0.055e-3, 3.3, 400.0, 1260.0, 0.010, 0.2, 0.075, 0.075},
@@ -35,18 +35,18 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
     EXPECT_EQ(device->limits.max_stiffness_n_per_m, row.stiffness);
     EXPECT_DOUBLE_EQ(device->limits.max_slew_n_per_s, row.force_n / 0.004) << "to the largest force within 4 ms";
     EXPECT_EQ(device->limits.max_speed_m_per_s, 3.0);
-    EXPECT_EQ(device->limits.workspace_max_m, Vec3::Constant(row.half_m));
-    EXPECT_EQ(device->workspace_radius_m, row.ball_m);
+    EXPECT_EQ(device->limits.workspace_max_m, Vec3::Constant(row.half_side_m));
+    EXPECT_EQ(device->workspace_radius_m, row.ball_radius_m);
     EXPECT_EQ(device->limits.workspace_max_m, -device->limits.workspace_min_m);
     EXPECT_EQ(device->is_workspace_known, device->name != "premium-1.5") << "its source has only the 6DOF variant";
     ASSERT_EQ(device->model.mode_count, row.joint_n_per_m > 0.0 ? 1 : 0);
     if (device->model.mode_count == 0) continue;
     const StructuralMode& mode = device->model.modes[0];
     EXPECT_EQ(mode.stiffness_n_per_m, row.joint_n_per_m);
-    EXPECT_EQ(mode.mass_kg, row.beyond_kg);
+    EXPECT_EQ(mode.mass_kg, row.mass_beyond_kg);
     // The damping ratio is that of the motors, which ring on the joint while the device point is held.
     const double critical = 2.0 * std::sqrt(row.joint_n_per_m * device->model.motor_mass_kg());
-    EXPECT_NEAR(mode.damping_ns_per_m / critical, row.ratio, 1e-9);
+    EXPECT_NEAR(mode.damping_ns_per_m / critical, row.damping_ratio, 1e-9);
   }
   EXPECT_TRUE(find_device_preset("model-a")->is_workspace_known);
 }
@@ -68,7 +68,7 @@ TEST(DeviceModel, KeepsItsFirstModes) {
   DeviceModel model{.mass_kg = 1.0, .mode_count = 2, .modes = {StructuralMode{0.1, 10.0, 1.0}, StructuralMode{0.2, 20.0, 2.0}}};
   EXPECT_NEAR(model.motor_mass_kg(), 0.7, 1e-15);
   const std::pair<int, int> cases[] = {{-1, 0}, {0, 0}, {1, 1}, {2, 2}, {9, 2}};
-  for (const auto& [most, kept] : cases) EXPECT_EQ(model.with_modes(most).mode_count, kept) << most;
+  for (const auto& [max_modes, modes_left] : cases) EXPECT_EQ(model.with_modes(max_modes).mode_count, modes_left) << max_modes;
   EXPECT_NEAR(model.with_modes(1).motor_mass_kg(), 0.9, 1e-15);
   EXPECT_EQ(model.with_modes(1).modes[0].stiffness_n_per_m, 10.0);
 }

@@ -9,28 +9,28 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
-// Replies to a position of x metres with a force of x newtons, and records what it was told.
+// Replies to a position of x metres with a force of x newtons, and records its input.
 struct EchoLaw final : ForceLaw {
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override {
-    seen.push_back(p_WD.x());
-    passed_s.push_back(dt_s);
+    positions_m.push_back(p_WD.x());
+    durations_s.push_back(dt_s);
     return p_WD;
   }
-  void reset(const Vec3& p_WD) noexcept override { resets.push_back(p_WD.x()); }
-  std::vector<double> seen;
-  std::vector<double> passed_s;
-  std::vector<double> resets;
+  void reset(const Vec3& p_WD) noexcept override { reset_positions_m.push_back(p_WD.x()); }
+  std::vector<double> positions_m;
+  std::vector<double> durations_s;
+  std::vector<double> reset_positions_m;
 };
 
-// Adds a newton along y, and records what it was told.
+// Adds a newton along y, and records its input.
 struct AddingStage final : ForceStage {
   void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept override {
-    read.push_back(p_WD.x());
+    read_m.push_back(p_WD.x());
     last_ns = now_ns;
   }
   Vec3 shape(const Vec3& force_n, std::int64_t) noexcept override { return force_n + Vec3(0, 1, 0); }
   void note_written(const Vec3& force_n) noexcept override { written.push_back(force_n); }
-  std::vector<double> read;
+  std::vector<double> read_m;
   std::vector<Vec3> written;
   std::int64_t last_ns = 0;
 };
@@ -44,10 +44,10 @@ TEST(ForceChain, WithoutALinkTheForceIsThatOfTheSample) {
   EXPECT_EQ(chain.force_n(), along_x(3.0));
   chain.sample(along_x(4.0), 3 * kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(4.0));
-  EXPECT_EQ(law.resets, std::vector{3.0}) << "once, where the device is first";
-  ASSERT_EQ(law.passed_s.size(), 2U);
-  EXPECT_EQ(law.passed_s[0], 0.0);
-  EXPECT_NEAR(law.passed_s[1], 0.002, 1e-15);
+  EXPECT_EQ(law.reset_positions_m, std::vector{3.0}) << "once, where the device is first";
+  ASSERT_EQ(law.durations_s.size(), 2U);
+  EXPECT_EQ(law.durations_s[0], 0.0);
+  EXPECT_NEAR(law.durations_s[1], 0.002, 1e-15);
   EXPECT_EQ(chain.counters().samples, 2U);
   EXPECT_EQ(chain.counters().replies, 2U);
   EXPECT_EQ(chain.counters().lost, 0U);
@@ -60,9 +60,9 @@ TEST(ForceChain, TheEncoderReadsWholeSteps) {
   ForceChain chain(law, {.encoder_step_m = 0.5});
   const std::pair<double, double> cases[] = {{0.2, 0.0}, {0.3, 0.5}, {0.7, 0.5}, {-0.3, -0.5}, {-1.1, -1.0}};
   std::int64_t now_ns = 0;
-  for (const auto& [at, read] : cases) {
+  for (const auto& [at, read_m] : cases) {
     chain.sample(along_x(at), now_ns += kMillisecond);
-    EXPECT_EQ(law.seen.back(), read) << at;
+    EXPECT_EQ(law.positions_m.back(), read_m) << at;
   }
 }
 
@@ -73,9 +73,9 @@ TEST(ForceChain, TheForceComesAfterBothWays) {
   chain.sample(along_x(1.0), 10 * kMillisecond);
   EXPECT_EQ(chain.next_ns(), 12 * kMillisecond);
   chain.receive(12 * kMillisecond - 1);
-  EXPECT_TRUE(law.seen.empty());
+  EXPECT_TRUE(law.positions_m.empty());
   chain.receive(12 * kMillisecond);
-  EXPECT_EQ(law.seen.size(), 1U);
+  EXPECT_EQ(law.positions_m.size(), 1U);
   EXPECT_EQ(chain.next_ns(), 15 * kMillisecond);
   chain.receive(15 * kMillisecond - 1);
   EXPECT_EQ(chain.force_n(), along_x(0.0));
@@ -88,16 +88,16 @@ TEST(ForceChain, TheForceComesAfterBothWays) {
 
 TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
   EchoLaw law;
-  ForceChain deaf(law, {.to_law = {.loss = 1.0}});
-  deaf.sample(along_x(1.0), kMillisecond);
-  EXPECT_TRUE(law.seen.empty());
-  EXPECT_EQ(deaf.counters().lost, 1U);
-  ForceChain mute(law, {.from_law = {.loss = 1.0}});
-  mute.sample(along_x(1.0), kMillisecond);
-  EXPECT_EQ(law.seen.size(), 1U);
-  EXPECT_EQ(mute.counters().lost, 1U);
-  EXPECT_EQ(mute.counters().replies, 0U);
-  EXPECT_EQ(mute.force_n(), along_x(0.0));
+  ForceChain without_samples(law, {.to_law = {.loss = 1.0}});
+  without_samples.sample(along_x(1.0), kMillisecond);
+  EXPECT_TRUE(law.positions_m.empty());
+  EXPECT_EQ(without_samples.counters().lost, 1U);
+  ForceChain without_replies(law, {.from_law = {.loss = 1.0}});
+  without_replies.sample(along_x(1.0), kMillisecond);
+  EXPECT_EQ(law.positions_m.size(), 1U);
+  EXPECT_EQ(without_replies.counters().lost, 1U);
+  EXPECT_EQ(without_replies.counters().replies, 0U);
+  EXPECT_EQ(without_replies.force_n(), along_x(0.0));
 }
 
 TEST(ForceChain, ACopyIsTakenOnce) {
@@ -105,7 +105,7 @@ TEST(ForceChain, ACopyIsTakenOnce) {
   ForceChain chain(law, {.to_law = {.duplicate = 1.0}, .from_law = {.duplicate = 1.0}});
   chain.sample(along_x(1.0), kMillisecond);
   chain.receive(100 * kMillisecond);
-  EXPECT_EQ(law.seen.size(), 1U);
+  EXPECT_EQ(law.positions_m.size(), 1U);
   EXPECT_EQ(chain.counters().replies, 2U);
   EXPECT_EQ(chain.counters().overtaken, 2U) << "one at either end";
 }
@@ -123,12 +123,12 @@ TEST(ForceChain, TheNewestWinsAtBothEnds) {
   chain.receive(1'000 * kMillisecond);  // samples that are still on the way to the law
   chain.receive(2'000 * kMillisecond);  // and forces on the way back
   EXPECT_GT(last, 200.0);
-  EXPECT_TRUE(std::is_sorted(law.seen.begin(), law.seen.end()));
-  EXPECT_LT(law.seen.size(), 300U);
-  EXPECT_GT(chain.counters().overtaken, 300U - law.seen.size());
-  double passed_s = 0.0;
-  for (const double each : law.passed_s) passed_s += each;
-  EXPECT_NEAR(passed_s, 1e-3 * (law.seen.back() - law.seen.front()), 1e-9);
+  EXPECT_TRUE(std::is_sorted(law.positions_m.begin(), law.positions_m.end()));
+  EXPECT_LT(law.positions_m.size(), 300U);
+  EXPECT_GT(chain.counters().overtaken, 300U - law.positions_m.size());
+  double total_s = 0.0;
+  for (const double duration_s : law.durations_s) total_s += duration_s;
+  EXPECT_NEAR(total_s, 1e-3 * (law.positions_m.back() - law.positions_m.front()), 1e-9);
 }
 
 TEST(ForceChain, TheMotorsGiveNoMoreThanTheyCan) {
@@ -145,7 +145,7 @@ TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
   AddingStage stage;
   ForceChain chain(law, {.encoder_step_m = 1.0, .max_force_n = 1.0, .from_law = {.delay_ns = 2 * kMillisecond}, .stage = &stage});
   chain.sample(along_x(0.9), kMillisecond);
-  EXPECT_EQ(stage.read, std::vector{1.0});
+  EXPECT_EQ(stage.read_m, std::vector{1.0});
   EXPECT_EQ(stage.last_ns, kMillisecond);
   ASSERT_EQ(stage.written.size(), 1U) << "though no force has come";
   EXPECT_EQ(stage.written[0], Vec3(0, 1, 0));
@@ -165,10 +165,10 @@ TEST(ForceChain, TheFilterHoldsAForceForTwentyMillisecondsOfItsSample) {
   chain.sample(along_x(1.0), 10 * kMillisecond);
   chain.receive(15 * kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(1.0));
-  EchoLaw silent;
-  ForceChain cut(silent, {.gate = ForceChain::Gate::filter, .stage = nullptr});
-  cut.sample(along_x(1.0), 10 * kMillisecond);
-  EXPECT_EQ(cut.force_n(), along_x(1.0));
+  EchoLaw undelayed_law;
+  ForceChain undelayed(undelayed_law, {.gate = ForceChain::Gate::filter, .stage = nullptr});
+  undelayed.sample(along_x(1.0), 10 * kMillisecond);
+  EXPECT_EQ(undelayed.force_n(), along_x(1.0));
   chain.sample(along_x(2.0), 29 * kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(1.0));
   chain.sample(along_x(2.0), 31 * kMillisecond);

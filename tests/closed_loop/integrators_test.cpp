@@ -14,14 +14,14 @@ double error_of(const IntegratorCase& press, Integrator integrator, std::int64_t
 // Without friction: halving the step divides the error of Euler by 2 and of Runge-Kutta by 16. Both converge to the exact motion.
 TEST(Integrators, ConvergeWithTheirOrderToTheExactMotion) {
   const IntegratorCase press{.device = find_device_preset("premium-1.5")->model.with_modes(1), .hand = *find_hand_preset("stylus")};
-  IntegratorCase smooth = press;
-  smooth.device.friction_n = 0.0;
-  const std::vector<double> exact = run_press(smooth, Integrator::exact, 1);
-  const double euler = error_of(smooth, Integrator::semi_implicit_euler, 10'000, exact);
-  EXPECT_NEAR(euler / error_of(smooth, Integrator::semi_implicit_euler, 5'000, exact), 2.0, 0.1);
-  const double runge = error_of(smooth, Integrator::runge_kutta, 500'000, exact);
-  EXPECT_NEAR(runge / error_of(smooth, Integrator::runge_kutta, 250'000, exact), 16.0, 3.0);
-  EXPECT_LT(error_of(smooth, Integrator::runge_kutta, 5'000, exact), 1e-10);
+  IntegratorCase frictionless = press;
+  frictionless.device.friction_n = 0.0;
+  const std::vector<double> exact = run_press(frictionless, Integrator::exact, 1);
+  const double euler_error = error_of(frictionless, Integrator::semi_implicit_euler, 10'000, exact);
+  EXPECT_NEAR(euler_error / error_of(frictionless, Integrator::semi_implicit_euler, 5'000, exact), 2.0, 0.1);
+  const double runge_kutta_error = error_of(frictionless, Integrator::runge_kutta, 500'000, exact);
+  EXPECT_NEAR(runge_kutta_error / error_of(frictionless, Integrator::runge_kutta, 250'000, exact), 16.0, 3.0);
+  EXPECT_LT(error_of(frictionless, Integrator::runge_kutta, 5'000, exact), 1e-10);
 }
 
 TEST(Integrators, WithFrictionTheExactMotionIsWhatFineStepsApproach) {
@@ -34,7 +34,7 @@ TEST(Integrators, WithFrictionTheExactMotionIsWhatFineStepsApproach) {
 }
 
 // The hand moves down at 0.2 m/s from 1 mm above the wall until it is 10 mm below, and is at rest there.
-TEST(Integrators, ThePressIsThatOfTheHandThatTheHeaderDescribes) {
+TEST(Integrators, ThePressIsThatOfTheHeader) {
   const IntegratorCase press{.device = find_device_preset("touch")->model,
                              .hand = *find_hand_preset("stylus"),
                              .period_ns = 2'000'000,
@@ -45,19 +45,19 @@ TEST(Integrators, ThePressIsThatOfTheHandThatTheHeaderDescribes) {
   AxisMotion::State exact_state = motion.rest_at(0.001);
   AxisMotion::StateVector stepped_state = motion.rest_at(0.001).x;
   std::vector<double> exact;
-  std::vector<double> in_steps;
+  std::vector<double> stepped_positions_m;
   for (int k = 0; k < 100; ++k) {
     const double goal_m = 0.001 - 0.2 * (1e-9 * static_cast<double>(k * press.period_ns));
     AxisMotion::Input input{.hand_m = std::max(goal_m, -0.010), .hand_m_per_s = goal_m > -0.010 ? -0.2 : 0.0};
     exact.push_back(exact_state.position_m());
     input.command_n = 700.0 * std::max(0.0, -exact_state.position_m());
     motion.advance(exact_state, input, press.period_ns);
-    in_steps.push_back(stepped_state[0]);
+    stepped_positions_m.push_back(stepped_state[0]);
     input.command_n = 700.0 * std::max(0.0, -stepped_state[0]);
     stepped.advance(stepped_state, input, press.period_ns);
   }
   EXPECT_EQ(run_press(press, Integrator::exact, 1), exact);
-  EXPECT_EQ(run_press(press, Integrator::runge_kutta, 100'000), in_steps);
+  EXPECT_EQ(run_press(press, Integrator::runge_kutta, 100'000), stepped_positions_m);
   EXPECT_EQ(exact.front(), 0.001);
   EXPECT_LT(exact.back(), -0.001);
 }

@@ -20,12 +20,12 @@ struct Loop {
 };
 
 // Runs for a while, and returns the largest distance from zero; infinite: the motion diverged.
-double reach(LoopSimulation& simulation, std::int64_t duration_ns) {
+double largest_distance_m(LoopSimulation& simulation, std::int64_t duration_ns) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(simulation.now_ns() + duration_ns, &rows)) return HUGE_VAL;
-  double most = 0.0;
-  for (const LoopRow& row : rows) most = std::max(most, std::fabs(row.p_WD.x()));
-  return most;
+  double largest_m = 0.0;
+  for (const LoopRow& row : rows) largest_m = std::max(largest_m, std::fabs(row.p_WD.x()));
+  return largest_m;
 }
 
 // With a two-sided wall, without quantisation and friction, the loop is linear: the motion decays below the limit and grows above it.
@@ -40,9 +40,9 @@ TEST(LoopSimulation, AgreesWithTheExactLimit) {
       link.from_law.delay_ns = static_cast<std::int64_t>(1e6 * delay_ms) - link.to_law.delay_ns;
       Loop loop({.device = device, .hand = hand, .start_m = Vec3(1e-3, 0.0, 0.0)}, link,
                 {.stiffness_n_per_m = share * limit, .two_sided = true});
-      reach(loop.simulation, 2000 * kMs);
-      const double before = reach(loop.simulation, 3000 * kMs);
-      const double after = reach(loop.simulation, 3000 * kMs);
+      largest_distance_m(loop.simulation, 2000 * kMs);
+      const double before = largest_distance_m(loop.simulation, 3000 * kMs);
+      const double after = largest_distance_m(loop.simulation, 3000 * kMs);
       EXPECT_EQ(after > before, share > 1.0) << delay_ms << " ms, " << share;
     }
   }

@@ -13,21 +13,22 @@
 namespace hapton {
 namespace {
 
-double viscous(const PassivityCase& loop) { return find_passive_stiffness(loop).viscous_n_per_m; }
+double viscous_limit(const PassivityCase& loop) { return find_passive_stiffness(loop).viscous_n_per_m; }
 
 // The condition of Colgate and Schenkel: b > K T / 2 + |B|, with the damping b of the device and B of the wall.
 TEST(PassiveStiffness, OfASpringAndDamperIsColgateAndSchenkels) {
   for (const double b : {0.1, 1.0, 5.5}) {
-    EXPECT_NEAR(viscous({.period_s = 1e-3, .damping_ns_per_m = b}), 2e3 * b, 2e-6 * 2e3 * b);
-    EXPECT_NEAR(viscous({.period_s = 2.5e-4, .damping_ns_per_m = b, .wall_damping_ns_per_m = 0.4 * b}), 8e3 * 0.6 * b, 2e-6 * 8e3 * b);
+    EXPECT_NEAR(viscous_limit({.period_s = 1e-3, .damping_ns_per_m = b}), 2e3 * b, 2e-6 * 2e3 * b);
+    EXPECT_NEAR(viscous_limit({.period_s = 2.5e-4, .damping_ns_per_m = b, .wall_damping_ns_per_m = 0.4 * b}), 8e3 * 0.6 * b,
+                2e-6 * 8e3 * b);
   }
-  EXPECT_EQ(viscous({.damping_ns_per_m = 1.0, .wall_damping_ns_per_m = 1.0}), 0.0);
-  EXPECT_EQ(viscous({.damping_ns_per_m = 0.0}), 0.0);
+  EXPECT_EQ(viscous_limit({.damping_ns_per_m = 1.0, .wall_damping_ns_per_m = 1.0}), 0.0);
+  EXPECT_EQ(viscous_limit({.damping_ns_per_m = 0.0}), 0.0);
 }
 
 TEST(PassiveStiffness, WithDelayIsAboutTheLinearRuleOfTheDevice) {
   for (const double delay_s : {1e-3, 7e-3, 0.1, 0.5}) {
-    EXPECT_NEAR(viscous({.delay_s = delay_s, .damping_ns_per_m = 2.0}), 2.0 / (0.5e-3 + delay_s), 1e-5 * 2.0 / delay_s);
+    EXPECT_NEAR(viscous_limit({.delay_s = delay_s, .damping_ns_per_m = 2.0}), 2.0 / (0.5e-3 + delay_s), 1e-5 * 2.0 / delay_s);
   }
 }
 
@@ -38,8 +39,8 @@ double by_the_papers_condition(double b, double period_s, int periods, double wa
       const double angle = std::numbers::pi * i / 20'000;
       const std::complex<double> z = std::polar(1.0, angle);
       const std::complex<double> wall = (stiffness + wall_damping * (z - 1.0) / (period_s * z)) * std::pow(z, -periods);
-      const double needed = 0.5 * period_s / (1.0 - std::cos(angle)) * std::real((1.0 - 1.0 / z) * wall);
-      if (needed >= b) return false;
+      const double needed_damping = 0.5 * period_s / (1.0 - std::cos(angle)) * std::real((1.0 - 1.0 / z) * wall);
+      if (needed_damping >= b) return false;
     }
     return true;
   };
@@ -53,9 +54,9 @@ double by_the_papers_condition(double b, double period_s, int periods, double wa
 }
 
 TEST(PassiveStiffness, IsTheConditionOfThePaper) {
-  EXPECT_NEAR(viscous({.delay_s = 3e-3, .damping_ns_per_m = 2.0}), by_the_papers_condition(2.0, 1e-3, 3, 0.0), 0.01);
+  EXPECT_NEAR(viscous_limit({.delay_s = 3e-3, .damping_ns_per_m = 2.0}), by_the_papers_condition(2.0, 1e-3, 3, 0.0), 0.01);
   const double with_damping = by_the_papers_condition(2.0, 1e-3, 2, 0.3);
-  EXPECT_NEAR(viscous({.delay_s = 2e-3, .damping_ns_per_m = 2.0, .wall_damping_ns_per_m = 0.3}), with_damping, 1e-3 * with_damping);
+  EXPECT_NEAR(viscous_limit({.delay_s = 2e-3, .damping_ns_per_m = 2.0, .wall_damping_ns_per_m = 0.3}), with_damping, 1e-3 * with_damping);
 }
 
 // A wall within the passive limit is stable in every hand, whatever its mass, spring and damper: the limit of stability is not lower.
@@ -69,16 +70,16 @@ TEST(PassiveStiffness, IsStableWithEveryHand) {
     const DeviceModel device{.mass_kg = by_ratio(0.02, 0.5), .damping_ns_per_m = by_ratio(0.05, 5.0)};
     const HandModel hand{by_ratio(1e-3, 5.0), by_ratio(1e-3, 20.0), by_ratio(1.0, 1e5)};
     const double delay_s = 1e-3 * std::uniform_real_distribution<double>(0.0, 20.0)(random);
-    const double passive = viscous({.delay_s = delay_s, .damping_ns_per_m = device.damping_ns_per_m});
+    const double passive = viscous_limit({.delay_s = delay_s, .damping_ns_per_m = device.damping_ns_per_m});
     const SampledPlant plant(make_axis_plant(device, hand), 1e-3, delay_s);
     EXPECT_GE(find_stable_stiffness(plant, 0.0).value, passive) << "seed " << kSeed << ", hand " << i;
   }
 }
 
 TEST(PassiveStiffness, ALagOfTheAmplifierCountsAsDelayOfSlowMotions) {
-  const double lag = viscous({.damping_ns_per_m = 2.0, .amplifier_s = 5e-4});
-  EXPECT_LT(lag, viscous({.damping_ns_per_m = 2.0}));
-  EXPECT_LE(lag, 2.0 / (0.5e-3 + 0.5e-3) * (1.0 + 1e-9));
+  const double with_lag = viscous_limit({.damping_ns_per_m = 2.0, .amplifier_s = 5e-4});
+  EXPECT_LT(with_lag, viscous_limit({.damping_ns_per_m = 2.0}));
+  EXPECT_LE(with_lag, 2.0 / (0.5e-3 + 0.5e-3) * (1.0 + 1e-9));
 }
 
 // The passive limit by its definition, for a spring alone without delay, on a grid of frequencies: the least stiffness K for which 1 + K
@@ -112,7 +113,7 @@ double by_the_sum_of_aliases(double b, double period_s, double amplifier_s) {
 
 TEST(PassiveStiffness, WithAnAmplifierIsThatOfTheSumOfAllAliases) {
   for (const double amplifier_s : {1e-4, 5e-4}) {
-    const double limit = viscous({.damping_ns_per_m = 2.0, .amplifier_s = amplifier_s});
+    const double limit = viscous_limit({.damping_ns_per_m = 2.0, .amplifier_s = amplifier_s});
     const double by_definition = by_the_sum_of_aliases(2.0, 1e-3, amplifier_s);
     EXPECT_LE(limit, by_definition * (1.0 + 1e-6)) << amplifier_s << ": the grid may miss the least";
     EXPECT_GE(limit, 0.9 * by_definition) << amplifier_s;

@@ -12,22 +12,22 @@
 namespace hapton {
 namespace {
 
-struct Pressed {
+struct PressRun {
   PressMeasures measures;
   PressPath path;
   std::vector<LoopRow> rows;
 };
 
-Pressed press(const DeviceModel& device, const HandModel& hand, double stiffness, const ForceChain::Options& link = {}) {
+PressRun press(const DeviceModel& device, const HandModel& hand, double stiffness, const ForceChain::Options& link = {}) {
   WallLaw wall({.stiffness_n_per_m = stiffness});
   ForceChain chain(wall, link);
-  Pressed pressed;
-  pressed.path = make_press_path(hand, {.wall_n_per_m = stiffness});
-  LoopSimulation simulation(chain, {.device = device, .hand = hand, .path = pressed.path.path, .start_m = pressed.path.start_m});
-  std::vector<LoopRow>& rows = pressed.rows;
-  const bool is_bounded = simulation.run_until(pressed.path.end_ns, &rows);
-  pressed.measures = measure_press(rows, pressed.path, 1'000'000, link.encoder_step_m, is_bounded);
-  return pressed;
+  PressRun run;
+  run.path = make_press_path(hand, {.wall_n_per_m = stiffness});
+  LoopSimulation simulation(chain, {.device = device, .hand = hand, .path = run.path.path, .start_m = run.path.start_m});
+  std::vector<LoopRow>& rows = run.rows;
+  const bool is_bounded = simulation.run_until(run.path.end_ns, &rows);
+  run.measures = measure_press(rows, run.path, 1'000'000, link.encoder_step_m, is_bounded);
+  return run;
 }
 
 const DeviceModel kIdeal{.mass_kg = 0.075, .damping_ns_per_m = 1.0};
@@ -57,11 +57,10 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
 
 // The last row of the hold is moved out of the band of 5 %. Half of the peak-to-peak motion, the measure of a limit cycle, is less.
 TEST(Press, WhatLeavesItsPlaceAgainHasNotSettled) {
-  Pressed pressed = press(kIdeal, *find_hand_preset("stylus"), 1000.0);
-  const auto row =
-      std::find_if(pressed.rows.rbegin(), pressed.rows.rend(), [&](const LoopRow& r) { return r.time_ns < pressed.path.release_ns; });
-  row->p_WD.x() -= 1.5 * 0.05 * pressed.measures.depth_m;
-  EXPECT_TRUE(std::isinf(measure_press(pressed.rows, pressed.path, 1'000'000, 0.0, true).settling_s));
+  PressRun run = press(kIdeal, *find_hand_preset("stylus"), 1000.0);
+  const auto row = std::find_if(run.rows.rbegin(), run.rows.rend(), [&](const LoopRow& r) { return r.time_ns < run.path.release_ns; });
+  row->p_WD.x() -= 1.5 * 0.05 * run.measures.depth_m;
+  EXPECT_TRUE(std::isinf(measure_press(run.rows, run.path, 1'000'000, 0.0, true).settling_s));
 }
 
 // The first force comes after the hand has left again: nothing has settled.
@@ -76,8 +75,8 @@ TEST(Press, WithoutAForceInTimeNothingSettles) {
 }
 
 TEST(Press, AHandWithoutASpringPushes) {
-  const Pressed pressed = press({.mass_kg = 0.075, .damping_ns_per_m = 2.0, .friction_n = 0.04}, {}, 1000.0);
-  EXPECT_NEAR(pressed.measures.depth_m, 1e-3, 5e-5);
+  const PressRun run = press({.mass_kg = 0.075, .damping_ns_per_m = 2.0, .friction_n = 0.04}, {}, 1000.0);
+  EXPECT_NEAR(run.measures.depth_m, 1e-3, 5e-5);
 }
 
 // Without encoder steps and friction: near the limit of stability a motion takes longer to die out than the second that the press lasts.

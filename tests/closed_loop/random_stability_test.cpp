@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-double exact(const RandomLoop& loop) {
+double exact_limit(const RandomLoop& loop) {
   const double delay_s = 1e-9 * static_cast<double>(loop.to_law.delay_ns + loop.from_law.delay_ns);
   return find_stable_stiffness(SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-9 * static_cast<double>(loop.period_ns), delay_s),
                                0.0)
@@ -22,22 +22,22 @@ RandomLoop stylus_loop() {
 
 TEST(RandomStability, WithoutChanceIsTheExactLimit) {
   const RandomLoop loop = stylus_loop();
-  EXPECT_NEAR(find_stable_stiffness_by_simulation(loop, 100.0), exact(loop), 0.005 * exact(loop));
+  EXPECT_NEAR(find_stable_stiffness_by_simulation(loop, 100.0), exact_limit(loop), 0.005 * exact_limit(loop));
 }
 
 TEST(RandomStability, JitterAndLossLowerTheLimit) {
   RandomLoop loop = stylus_loop();
-  const double still = exact(loop);
+  const double without_jitter = exact_limit(loop);
   loop.to_law.jitter_ns = 10'000'000;
-  const double jittered = find_stable_stiffness_by_simulation(loop, still);
-  EXPECT_LT(jittered, 0.95 * still);
+  const double with_jitter = find_stable_stiffness_by_simulation(loop, without_jitter);
+  EXPECT_LT(with_jitter, 0.95 * without_jitter);
   // The newest sample is used, so jitter of up to 10 ms lowers the limit less than 10 ms more delay would.
-  RandomLoop later = stylus_loop();
-  later.to_law.delay_ns += 10'000'000;
-  EXPECT_GT(jittered, exact(later));
+  RandomLoop more_delay = stylus_loop();
+  more_delay.to_law.delay_ns += 10'000'000;
+  EXPECT_GT(with_jitter, exact_limit(more_delay));
   loop.to_law.jitter_ns = 0;
   loop.to_law.loss = 0.5;
-  EXPECT_LT(find_stable_stiffness_by_simulation(loop, still), 0.99 * still);
+  EXPECT_LT(find_stable_stiffness_by_simulation(loop, without_jitter), 0.99 * without_jitter);
 }
 
 TEST(RandomStability, GrowthHasTheSignOfTheLimit) {
@@ -79,15 +79,15 @@ TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
 // Jitter uniform in [0, J] one way, over many samples: a sample of age a has arrived with probability a / J. The probability that no sample
 // younger than y has arrived is the product of 1 - a / J over the ages below y; the youngest age is uniform in a period.
 double mean_delay_of_jitter(double jitter_s, double period_s) {
-  constexpr int kBegins = 100;
+  constexpr int kYoungestAges = 100;
   double sum_s = 0.0;
-  for (int i = 0; i < kBegins; ++i) {
-    const double youngest_s = period_s * (i + 0.5) / kBegins;
+  for (int i = 0; i < kYoungestAges; ++i) {
+    const double youngest_s = period_s * (i + 0.5) / kYoungestAges;
     sum_s += youngest_s;
-    double none = 1.0;
-    for (double age_s = youngest_s; age_s < jitter_s; age_s += period_s) sum_s += period_s * (none *= 1.0 - age_s / jitter_s);
+    double none_arrived = 1.0;
+    for (double age_s = youngest_s; age_s < jitter_s; age_s += period_s) sum_s += period_s * (none_arrived *= 1.0 - age_s / jitter_s);
   }
-  return sum_s / kBegins - 0.5 * period_s;
+  return sum_s / kYoungestAges - 0.5 * period_s;
 }
 
 TEST(MeanDelay, OfJitterIsThatOfTheNewestSample) {

@@ -16,12 +16,12 @@ SampledPlant ideal(double mass_kg, double damping, double stiffness, double peri
                       delay_s);
 }
 
-struct Cell {
+struct LimitCase {
   double mass_kg, damping, stiffness, delay_s, expected, linear_rule;
 };
 
 // Largest stable stiffness from the eigenvalues of the exactly sampled loop at 1 kHz, computed without this code and rounded to 1 N/m.
-constexpr Cell kCells[] = {
+constexpr LimitCase kLimitCases[] = {
     {0.875, 5.5, 30.0, 0.0, 11'012.0, 11'000.0},
     {0.875, 5.5, 30.0, 0.1, 63.0, 55.0},
     {0.225, 5.0, 500.0, 0.01, 513.0, 476.0},
@@ -29,11 +29,11 @@ constexpr Cell kCells[] = {
 };
 
 TEST(StableStiffness, AgreesWithIndependentlyComputedValues) {
-  for (const Cell& cell : kCells) {
-    const SampledPlant plant = ideal(cell.mass_kg, cell.damping, cell.stiffness, 1e-3, cell.delay_s);
-    EXPECT_EQ(std::round(find_stable_stiffness(plant, 0.0).value), cell.expected);
-    EXPECT_EQ(std::round(find_stable_stiffness_by_eigenvalues(plant, 0.0, 10.0, 1.5)), cell.expected);
-    EXPECT_EQ(std::round(linear_rule_n_per_m(cell.damping, 1e-3, cell.delay_s)), cell.linear_rule);
+  for (const LimitCase& limit_case : kLimitCases) {
+    const SampledPlant plant = ideal(limit_case.mass_kg, limit_case.damping, limit_case.stiffness, 1e-3, limit_case.delay_s);
+    EXPECT_EQ(std::round(find_stable_stiffness(plant, 0.0).value), limit_case.expected);
+    EXPECT_EQ(std::round(find_stable_stiffness_by_eigenvalues(plant, 0.0, 10.0, 1.5)), limit_case.expected);
+    EXPECT_EQ(std::round(linear_rule_n_per_m(limit_case.damping, 1e-3, limit_case.delay_s)), limit_case.linear_rule);
   }
 }
 
@@ -71,7 +71,7 @@ struct RandomLoop {
 TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
   constexpr std::uint64_t kSeed = 16;
   std::mt19937_64 random(kSeed);
-  int without_limit = 0;
+  int unstable_by_damping = 0;
   for (int i = 0; i < 1000; ++i) {
     const RandomLoop loop(random);
     const SampledPlant plant(make_axis_plant(loop.device, loop.hand), loop.period_s, loop.delay_s);
@@ -81,7 +81,7 @@ TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
                                       << " s, delay " << loop.delay_s << " s, damping " << loop.damping << ", limit " << limit);
     if (limit == 0.0) {
       // The damping of the wall alone makes the loop unstable.
-      ++without_limit;
+      ++unstable_by_damping;
       ASSERT_GT(loop.damping, 0.0);
       ASSERT_GE(radius(0.0), 1.0 - 1e-9);
       continue;
@@ -89,7 +89,7 @@ TEST(StableStiffness, AgreesWithTheEigenvaluesWithinHalfAPercentOver1000Loops) {
     for (const double share : {0.1, 0.5, 0.995}) ASSERT_LT(radius(share * limit), 1.0) << share;
     ASSERT_GT(radius(1.005 * limit), 1.0);
   }
-  EXPECT_LT(without_limit, 300);
+  EXPECT_LT(unstable_by_damping, 300);
 }
 
 // Whether a wall of this stiffness lets a motion grow. Steps the recurrence x[k+1] = transition x[k] + older u + newer u, so it does not
@@ -109,14 +109,14 @@ bool grows(const SampledPlant& plant, double stiffness) {
     }
     return largest;
   };
-  const int half = 200 * (plant.whole_periods() + 1) + 20'000;
-  const double first = size_over(half);
-  return size_over(half) > first;
+  const int half_samples = 200 * (plant.whole_periods() + 1) + 20'000;
+  const double first = size_over(half_samples);
+  return size_over(half_samples) > first;
 }
 
 TEST(StableStiffness, IsWhereAMotionBeginsToGrow) {
-  for (const Cell& cell : kCells) {
-    const SampledPlant plant = ideal(cell.mass_kg, cell.damping, cell.stiffness, 1e-3, cell.delay_s + 0.37e-3);
+  for (const LimitCase& limit_case : kLimitCases) {
+    const SampledPlant plant = ideal(limit_case.mass_kg, limit_case.damping, limit_case.stiffness, 1e-3, limit_case.delay_s + 0.37e-3);
     const double limit = find_stable_stiffness(plant, 0.0).value;
     EXPECT_FALSE(grows(plant, 0.99 * limit)) << limit;
     EXPECT_TRUE(grows(plant, 1.01 * limit)) << limit;
@@ -149,8 +149,9 @@ TEST(StableStiffness, AgreesAtLongDelaysAndHighRates) {
 }
 
 TEST(StableDamping, AgreesWithTheEigenvalues) {
-  for (const Cell& cell : kCells) {
-    const SampledPlant plant = ideal(cell.mass_kg, cell.damping, cell.stiffness, 1e-3, std::min(cell.delay_s, 0.0205));
+  for (const LimitCase& limit_case : kLimitCases) {
+    const SampledPlant plant =
+        ideal(limit_case.mass_kg, limit_case.damping, limit_case.stiffness, 1e-3, std::min(limit_case.delay_s, 0.0205));
     for (const double stiffness : {0.0, 20.0}) {
       const double limit = find_stable_damping(plant, stiffness).value;
       EXPECT_LT(compute_spectral_radius(plant, {stiffness, 0.995 * limit}), 1.0);

@@ -46,22 +46,22 @@ bool effect_loop_grows(const EffectLoop& loop, const SpaceEffect& effect) {
   device.friction_n = 0.0;
   const HandPath push(std::vector<HandPath::Point>{{.time_ns = 0, .push_n = Vec3(1e-3, 0, 0)}, {.time_ns = 10 * kMs}});
   LoopSimulation simulation(chain, {.device = device, .hand = loop.hand, .period_ns = loop.period_ns, .path = push});
-  const auto most_until = [&](std::int64_t end_ns) {
+  const auto largest_force_until = [&](std::int64_t end_ns) {
     std::vector<LoopRow> rows;
     if (!simulation.run_until(end_ns, &rows)) return HUGE_VAL;
-    double most_n = 0.0;
-    for (const LoopRow& row : rows) most_n = std::max(most_n, std::fabs(row.force_n.x()));
-    return most_n;
+    double largest_n = 0.0;
+    for (const LoopRow& row : rows) largest_n = std::max(largest_n, std::fabs(row.force_n.x()));
+    return largest_n;
   };
-  most_until(2 * kSecond);
-  const double before_n = most_until(4 * kSecond);
-  const double after_n = most_until(6 * kSecond);
+  largest_force_until(2 * kSecond);
+  const double before_n = largest_force_until(4 * kSecond);
+  const double after_n = largest_force_until(6 * kSecond);
   EXPECT_GT(before_n, 0.0);
   return after_n > before_n || !std::isfinite(after_n);
 }
 
 TEST(StableMass, IsWhereTheEffectItselfBeginsToGrow) {
-  constexpr double kEndless = 1e300;
+  constexpr double kNoBound = 1e300;
   for (const char* name : {"model-a", "touch", "omega.3", "wooden"}) {
     for (const char* hand : {"off", "light", "firm"}) {
       for (const double delay_ms : {0.0, 1.4, 10.0}) {
@@ -71,8 +71,8 @@ TEST(StableMass, IsWhereTheEffectItselfBeginsToGrow) {
           SCOPED_TRACE(::testing::Message() << name << " in hand " << hand << ", " << delay_ms << " ms, filter " << filter_s
                                             << " s: " << limit_kg);
           ASSERT_TRUE(std::isfinite(limit_kg));
-          EXPECT_FALSE(effect_loop_grows(loop, MassEffect{.mass_kg = 0.97 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
-          EXPECT_TRUE(effect_loop_grows(loop, MassEffect{.mass_kg = 1.03 * limit_kg, .filter_s = filter_s, .max_force_n = kEndless}));
+          EXPECT_FALSE(effect_loop_grows(loop, MassEffect{.mass_kg = 0.97 * limit_kg, .filter_s = filter_s, .max_force_n = kNoBound}));
+          EXPECT_TRUE(effect_loop_grows(loop, MassEffect{.mass_kg = 1.03 * limit_kg, .filter_s = filter_s, .max_force_n = kNoBound}));
         }
       }
     }
@@ -80,7 +80,7 @@ TEST(StableMass, IsWhereTheEffectItselfBeginsToGrow) {
 }
 
 TEST(StableViscosity, IsWhereTheEffectItselfBeginsToGrow) {
-  constexpr double kEndless = 1e300;
+  constexpr double kNoBound = 1e300;
   for (const char* name : {"model-a", "touch", "omega.3", "wooden"}) {
     for (const char* hand : {"off", "light", "firm"}) {
       for (const double delay_ms : {0.0, 1.4, 10.0}) {
@@ -91,8 +91,8 @@ TEST(StableViscosity, IsWhereTheEffectItselfBeginsToGrow) {
         if (delay_ms == 0.0) {
           EXPECT_LT(limit, find_stable_damping(plant_of(loop), 0.0).value) << "its velocity lags more";
         }
-        EXPECT_FALSE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 0.97 * limit, .max_force_n = kEndless}));
-        EXPECT_TRUE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 1.03 * limit, .max_force_n = kEndless}));
+        EXPECT_FALSE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 0.97 * limit, .max_force_n = kNoBound}));
+        EXPECT_TRUE(effect_loop_grows(loop, ViscousEffect{.damping_ns_per_m = 1.03 * limit, .max_force_n = kNoBound}));
       }
     }
   }
@@ -135,10 +135,10 @@ TEST(StableMass, BeyondItTheForceIsStillBounded) {
   LoopSimulation simulation(chain, {.device = loop.device, .hand = loop.hand, .path = push});
   std::vector<LoopRow> rows;
   ASSERT_TRUE(simulation.run_until(5 * kSecond, &rows));
-  double most_n = 0.0;
-  for (const LoopRow& row : rows) most_n = std::max(most_n, row.force_n.norm());
-  EXPECT_GT(most_n, 1.9) << "it swings at its bound";
-  EXPECT_LE(most_n, 2.0 * (1 + 1e-12));
+  double largest_n = 0.0;
+  for (const LoopRow& row : rows) largest_n = std::max(largest_n, row.force_n.norm());
+  EXPECT_GT(largest_n, 1.9) << "it swings at its bound";
+  EXPECT_LE(largest_n, 2.0 * (1 + 1e-12));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 using Kind = VelocityFilter::Kind;
-constexpr double kPeriod = 1e-3;
+constexpr double kPeriodS = 1e-3;
 constexpr double kStepM = 3e-5;
 
 // All estimators are right at a steady speed if the position is read exactly.
@@ -24,36 +24,36 @@ TEST(VelocityEstimators, AreExactAtASteadySpeedThatIsReadExactly) {
     const auto estimator = make_velocity_estimator(filter, 0.0);
     estimator->reset(0.02);
     double velocity = 0.0;
-    for (int k = 1; k <= 5000; ++k) velocity = estimator->step(0.02 - 0.037 * kPeriod * k, kPeriod);
+    for (int k = 1; k <= 5000; ++k) velocity = estimator->step(0.02 - 0.037 * kPeriodS * k, kPeriodS);
     EXPECT_NEAR(velocity, -0.037, 1e-9) << filter.name();
   }
 }
 
 // The lags in closed form: half a period for the difference, and what a first-order low-pass adds to that.
 TEST(VelocityEstimators, LagAsTheoryHasIt) {
-  EXPECT_NEAR(measure_velocity({}, kPeriod, 0.0).lag_s, 0.5 * kPeriod, 1e-9);
+  EXPECT_NEAR(measure_velocity({}, kPeriodS, 0.0).lag_s, 0.5 * kPeriodS, 1e-9);
   for (const double cutoff_hz : {20.0, 100.0}) {
-    const double share = -std::expm1(-2.0 * std::numbers::pi * cutoff_hz * kPeriod);
-    const double expected = (0.5 + (1.0 - share) / share) * kPeriod;
-    EXPECT_NEAR(measure_velocity({Kind::first_order, cutoff_hz}, kPeriod, 0.0).lag_s, expected, 1e-6) << cutoff_hz;
+    const double share = -std::expm1(-2.0 * std::numbers::pi * cutoff_hz * kPeriodS);
+    const double expected = (0.5 + (1.0 - share) / share) * kPeriodS;
+    EXPECT_NEAR(measure_velocity({Kind::first_order, cutoff_hz}, kPeriodS, 0.0).lag_s, expected, 1e-6) << cutoff_hz;
   }
   // The mean with the weights 8, 7 .. 1 lags by 7/3 periods, in addition to the half period of the difference.
-  EXPECT_NEAR(measure_velocity({Kind::mean}, kPeriod, 0.0).lag_s, (0.5 + 7.0 / 3.0) * kPeriod, 1e-9);
+  EXPECT_NEAR(measure_velocity({Kind::mean}, kPeriodS, 0.0).lag_s, (0.5 + 7.0 / 3.0) * kPeriodS, 1e-9);
 }
 
 // With encoder steps D, the difference is wrong by at most D/T, and by D/T sqrt(f (1 - f)) RMS where a share f of the periods sees one step
 // more than the others: at most half of D/T.
 TEST(VelocityEstimators, TheDifferencesNoiseIsThatOfItsEncoder) {
-  const double noise = measure_velocity({}, kPeriod, kStepM).noise_m_per_s;
-  EXPECT_LE(noise, 0.5 * kStepM / kPeriod * 1.01);
-  EXPECT_GE(noise, 0.4 * kStepM / kPeriod);
+  const double noise = measure_velocity({}, kPeriodS, kStepM).noise_m_per_s;
+  EXPECT_LE(noise, 0.5 * kStepM / kPeriodS * 1.01);
+  EXPECT_GE(noise, 0.4 * kStepM / kPeriodS);
 }
 
 TEST(VelocityEstimators, AllButTheDifferenceTradeNoiseForLag) {
-  const VelocityQuality difference = measure_velocity({}, kPeriod, kStepM);
+  const VelocityQuality difference = measure_velocity({}, kPeriodS, kStepM);
   for (const VelocityFilter& filter : velocity_filters()) {
     if (filter.kind == Kind::difference) continue;
-    const VelocityQuality quality = measure_velocity(filter, kPeriod, kStepM);
+    const VelocityQuality quality = measure_velocity(filter, kPeriodS, kStepM);
     EXPECT_LT(quality.noise_m_per_s, difference.noise_m_per_s) << filter.name();
     EXPECT_GT(quality.lag_s, 0.0) << filter.name();
   }
@@ -61,8 +61,8 @@ TEST(VelocityEstimators, AllButTheDifferenceTradeNoiseForLag) {
   for (const auto& [fast, slow] : {std::pair(VelocityFilter{Kind::first_order, 100.0}, VelocityFilter{Kind::first_order, 20.0}),
                                    std::pair(VelocityFilter{Kind::adaptive, 8.0}, VelocityFilter{Kind::adaptive, 32.0}),
                                    std::pair(VelocityFilter{Kind::kalman, 30.0}, VelocityFilter{Kind::kalman, 3.0})}) {
-    const VelocityQuality a = measure_velocity(fast, kPeriod, kStepM);
-    const VelocityQuality b = measure_velocity(slow, kPeriod, kStepM);
+    const VelocityQuality a = measure_velocity(fast, kPeriodS, kStepM);
+    const VelocityQuality b = measure_velocity(slow, kPeriodS, kStepM);
     EXPECT_GT(a.noise_m_per_s, b.noise_m_per_s) << slow.name();
     EXPECT_LE(a.lag_s, b.lag_s) << slow.name();
   }
@@ -75,20 +75,20 @@ TEST(VelocityEstimators, TheAdaptiveWindowIsTheLongestThatHolds) {
   std::mt19937_64 random(kSeed);
   std::uniform_int_distribution<int> steps(-2, 2);
   const auto estimator = make_velocity_estimator({Kind::adaptive, 16.0}, kStepM);
-  std::vector<double> read = {0.0};
+  std::vector<double> readings_m = {0.0};
   estimator->reset(0.0);
   for (int k = 1; k < 2000; ++k) {
-    read.push_back(read.back() + (k % 300 < 150 ? steps(random) : 1) * kStepM);
-    const double found = estimator->step(read.back(), kPeriod);
+    readings_m.push_back(readings_m.back() + (k % 300 < 150 ? steps(random) : 1) * kStepM);
+    const double found = estimator->step(readings_m.back(), kPeriodS);
     double expected = 0.0;
     for (int n = 1; n <= std::min(16, k); ++n) {
-      const double slope = (read[k] - read[k - n]) / n;
+      const double slope = (readings_m[k] - readings_m[k - n]) / n;
       bool holds = true;
-      for (int i = 1; i < n; ++i) holds = holds && std::fabs(read[k] - slope * i - read[k - i]) <= kStepM * (1.0 + 1e-6);
+      for (int i = 1; i < n; ++i) holds = holds && std::fabs(readings_m[k] - slope * i - readings_m[k - i]) <= kStepM * (1.0 + 1e-6);
       if (!holds) break;
-      expected = slope / kPeriod;
+      expected = slope / kPeriodS;
     }
-    ASSERT_NEAR(found, expected, 1e-6 * kStepM / kPeriod) << "sample " << k;
+    ASSERT_NEAR(found, expected, 1e-6 * kStepM / kPeriodS) << "sample " << k;
   }
 }
 
@@ -100,42 +100,42 @@ TEST(VelocityEstimators, TheKalmanFilterIsTheBestOfItsKind) {
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> push(0.0, kAcceleration);
   std::uniform_real_distribution<double> reading(-0.5 * kStepM, 0.5 * kStepM);
-  std::vector<double> read;
+  std::vector<double> readings_m;
   std::vector<double> speed;
   double x = 0.0;
   double v = 0.0;
   for (int k = 0; k < 20'000; ++k) {
     const double a = push(random);
-    x += v * kPeriod + 0.5 * a * kPeriod * kPeriod;
-    v += a * kPeriod;
-    read.push_back(x + reading(random));
+    x += v * kPeriodS + 0.5 * a * kPeriodS * kPeriodS;
+    v += a * kPeriodS;
+    readings_m.push_back(x + reading(random));
     speed.push_back(v);
   }
   const auto error_of = [&](const auto& step) {
     double sum = 0.0;
-    for (std::size_t k = 0; k < read.size(); ++k) {
-      const double off = step(read[k]) - speed[k];
-      if (k > 1000) sum += off * off;
+    for (std::size_t k = 0; k < readings_m.size(); ++k) {
+      const double error = step(readings_m[k]) - speed[k];
+      if (k > 1000) sum += error * error;
     }
     return sum;
   };
   const auto kalman = make_velocity_estimator({Kind::kalman, kAcceleration}, kStepM);
   kalman->reset(0.0);
-  const double best = error_of([&](double position) { return kalman->step(position, kPeriod); });
+  const double kalman_error = error_of([&](double position) { return kalman->step(position, kPeriodS); });
   for (double gain_x = 0.02; gain_x < 0.9; gain_x += 0.02) {
     // For a mass pushed by white noise, the gain of the position determines that of the velocity (Kalata 1984).
     const double root = std::sqrt(1.0 - gain_x);
-    const double gain_v = (2.0 * (2.0 - gain_x) - 4.0 * root) / kPeriod;
-    double at = 0.0;
+    const double gain_v = (2.0 * (2.0 - gain_x) - 4.0 * root) / kPeriodS;
+    double position_m = 0.0;
     double velocity = 0.0;
-    const double other = error_of([&](double position) {
-      at += velocity * kPeriod;
-      const double off = position - at;
-      at += gain_x * off;
-      velocity += gain_v * off;
+    const double other_error = error_of([&](double position) {
+      position_m += velocity * kPeriodS;
+      const double error = position - position_m;
+      position_m += gain_x * error;
+      velocity += gain_v * error;
       return velocity;
     });
-    EXPECT_LE(best, 1.02 * other) << gain_x;
+    EXPECT_LE(kalman_error, 1.02 * other_error) << gain_x;
   }
 }
 
@@ -145,13 +145,13 @@ TEST(VelocityEstimators, UseNoHeapInAStep) {
     const auto estimator = make_velocity_estimator(filter, kStepM);
     estimator->reset(0.0);
     const AllocationGuard guard;
-    for (int k = 1; k < 500; ++k) estimator->step(1e-5 * k, kPeriod);
+    for (int k = 1; k < 500; ++k) estimator->step(1e-5 * k, kPeriodS);
     EXPECT_EQ(guard.count(), 0U) << filter.name();
   }
 }
 
 TEST(VelocityEstimators, TheChoiceIsTheLeastLagThatIsQuietEnough) {
-  const std::vector<VelocityRow> rows = compare_velocity(kPeriod, kStepM);
+  const std::vector<VelocityRow> rows = compare_velocity(kPeriodS, kStepM);
   ASSERT_EQ(rows.size(), velocity_filters().size());
   for (const double most_noise : {1.0, 0.010, 0.003, 0.001}) {
     const VelocityRow* chosen = choose_velocity(rows, most_noise);
