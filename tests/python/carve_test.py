@@ -11,7 +11,7 @@ from live_system import BIN, SOURCE, LiveSystem
 
 CLAY = os.path.join(SOURCE, "scenes", "clay.toml")
 # The device moves down into the ball with the first button held, along inside it, and out again.
-WAY = """t_s,x_m,y_m,z_m,buttons
+TRAJECTORY_CSV = """t_s,x_m,y_m,z_m,buttons
 0,0,0.1,0,0
 0.3,0,0.058,0,1
 0.8,0,0.044,0,1
@@ -43,9 +43,9 @@ class CarveTest(unittest.TestCase):
         self.assertFalse(firm["carve"].any())
         carved = hapton.TouchStep.from_scene(CLAY)
         soft = carved.step(positions, buttons=1)
-        made = soft["carve"][soft["carve"] > 0]
-        self.assertGreater(len(made), 5)
-        np.testing.assert_array_equal(made, np.arange(1, len(made) + 1))
+        serials = soft["carve"][soft["carve"] > 0]
+        self.assertGreater(len(serials), 5)
+        np.testing.assert_array_equal(serials, np.arange(1, len(serials) + 1))
         self.assertLess(soft["force_n"][-1, 1], firm["force_n"][-1, 1], "it gives way")
         # buttons may have one number for each position.
         late = hapton.TouchStep.from_scene(CLAY)
@@ -72,7 +72,7 @@ class CarveTest(unittest.TestCase):
         self.addCleanup(system.close)
         way = system.path("way.csv")
         with open(way, "w") as file:
-            file.write(WAY)
+            file.write(TRAJECTORY_CSV)
         system.end_io()
         device = ["--bind", system.hub, "--device", "replay", "--loop", "--trajectory", way, "--seconds", "120"]
         system.io = system.start(system.io_log, "io_node", *device)
@@ -82,11 +82,11 @@ class CarveTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: client.carves()["newest"] > 20))
         late = hapton.Client(system.hub)
         self.assertTrue(wait_until(lambda: len(late.carves()["radius_m"]) == late.carves()["newest"] > 20))
-        some = late.carves()
-        known = client.carves()
+        late_carves = late.carves()
+        client_carves = client.carves()
         for name in ("object", "from_m", "to_m", "radius_m"):
-            np.testing.assert_array_equal(some[name][:20], known[name][:20])
-        self.assertEqual(set(some["object"]), {1})
+            np.testing.assert_array_equal(late_carves[name][:20], client_carves[name][:20])
+        self.assertEqual(set(late_carves["object"]), {1})
         self.assertEqual(len(late.carves(after=15)["object"]), len(late.carves()["object"]) - 15)
         client.close()
         late.close()

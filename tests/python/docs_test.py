@@ -8,7 +8,7 @@ import numpy as np
 from live_system import BIN, SOURCE, LiveSystem
 
 # Replacements in the text, because a test does not have what a reader has: the default port, the recording monday.hapton, ten seconds.
-IN_A_TEST = [
+REPLACEMENTS = [
     ("hapton.Client()", "hapton.Client(HUB)"),
     ("hapton.FieldNode()", "hapton.FieldNode(HUB)"),
     ("seconds=10)", "seconds=0.5, hub=HUB)"),
@@ -26,8 +26,8 @@ class DocsTest(unittest.TestCase):
         blocks = read_blocks()
         self.assertGreaterEqual(len(blocks), 5)
         text = "".join(blocks)
-        for there, here in IN_A_TEST:
-            self.assertEqual(text.count(there), 1, there)
+        for in_docs, in_test in REPLACEMENTS:
+            self.assertEqual(text.count(in_docs), 1, in_docs)
         os.chdir(SOURCE)
         os.environ["PATH"] = BIN + os.pathsep + os.environ["PATH"]  # the folder of the program hapton
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-docs-{os.getpid()}.hapton")
@@ -40,8 +40,8 @@ class DocsTest(unittest.TestCase):
         with LiveSystem("--record", marked) as system:
             names = {"HUB": system.hub, "RECORDING": recording, "pose": np.eye(4)}
             for block in blocks:
-                for there, here in IN_A_TEST:
-                    block = block.replace(there, here)
+                for in_docs, in_test in REPLACEMENTS:
+                    block = block.replace(in_docs, in_test)
                 with self.subTest(block):
                     exec(block, names)
             self.assertTrue(names["felt"]["contact"].any(), "the first example touches nothing")

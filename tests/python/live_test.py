@@ -12,7 +12,7 @@ import numpy as np
 import hapton
 from live_system import LiveSystem
 
-CRASH = """
+KILLED_PROGRAM = """
 import os, sys, hapton
 def force(hand):
     if hand.t_s > 0.5: os.kill(os.getpid(), 9)
@@ -151,13 +151,13 @@ class LiveTest(unittest.TestCase):
         np.testing.assert_array_equal(before["pivot_position_m"], at_rest["pivot_position_m"])
         self.assertEqual((before["scene_time_s"], before["moving"]), (0.0, True))
         # By the names of the scene file, also for a client that has moved nothing.
-        onlooker = hapton.Client(client_hub)
-        self.assertTrue(wait_until(lambda: len(onlooker.movable_objects()) == 2))
-        self.assertEqual([(one["object"], one["name"]) for one in onlooker.movable_objects()], [(1, "platform"), (2, "lid")])
-        self.assertTrue(wait_until(lambda: not onlooker.object_pose("lid")["moving"]))
-        np.testing.assert_allclose(onlooker.object_pose("lid")["turn"], client.object_pose("lid")["turn"], atol=1e-12)
-        self.assertEqual(onlooker.object_pose(1)["name"], "platform")
-        onlooker.close()
+        second_client = hapton.Client(client_hub)
+        self.assertTrue(wait_until(lambda: len(second_client.movable_objects()) == 2))
+        self.assertEqual([(one["object"], one["name"]) for one in second_client.movable_objects()], [(1, "platform"), (2, "lid")])
+        self.assertTrue(wait_until(lambda: not second_client.object_pose("lid")["moving"]))
+        np.testing.assert_allclose(second_client.object_pose("lid")["turn"], client.object_pose("lid")["turn"], atol=1e-12)
+        self.assertEqual(second_client.object_pose(1)["name"], "platform")
+        second_client.close()
         for wrong, why in [(("ground",), "no object 'ground' has been announced"), ((-1,), "numbered from 0"), ((1, float("nan")), "not finite")]:
             with self.assertRaisesRegex(ValueError, why):
                 client.object_pose(*wrong)
@@ -167,7 +167,7 @@ class LiveTest(unittest.TestCase):
         client = hapton.Client(system.hub)
         self.assertTrue(wait_until(lambda: client.object_pose(1) is not None))
         at_rest = client.object_pose(1)["pivot_position_m"]
-        # More moves than are remembered, so that nobody knows how it began.
+        # More moves than are remembered, so that no program can compute where the platform began.
         for n in range(12):
             client.move_object("platform", [-0.05, 0.001 * n, 0.0], over_s=0.05)
         self.assertTrue(wait_until(lambda: not client.object_pose(1)["moving"]))
@@ -194,7 +194,7 @@ class LiveTest(unittest.TestCase):
         node.set([hapton.fields.constant([0, 3.0, 0])])  # above the limit
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 2))
         self.assertTrue(wait_until(lambda: np.allclose(node.state()["force_n"], [0, 3.0, 0], atol=1e-6)))
-        # Felt, however often the machine stalls the ramp.
+        # The force is felt, however often the machine stalls the ramp.
         client = hapton.Client(system.hub)
         self.assertTrue(wait_until(lambda: client.state() is not None and client.state()["force_n"][1] > 0.5))
         client.close()
@@ -205,12 +205,12 @@ class LiveTest(unittest.TestCase):
         session = hapton.read_session(recording)
         written = np.stack([session[f"written_{axis}_n"] for axis in "xyz"], axis=1)
         self.assertLessEqual(np.linalg.norm(written, axis=1).max(), 2.0 + 1e-9)
-        # Passed on; how far up to the limit depends on how often the machine stalls the ramp.
+        # The force is passed on; how near it comes to the limit depends on how often the machine stalls the ramp.
         self.assertGreater(written[:, 1].max(), 0.5)
         # The spring, before the constant force, as the formula says.
         wanted = np.stack([session[f"wanted_{axis}_n"] for axis in "xyz"], axis=1)
         self.assertTrue(np.isfinite(wanted).any())
-        # Without a reply nobody knows.
+        # Without a reply it is not known whether there was contact.
         np.testing.assert_array_equal(np.isnan(session["contact"]), np.isnan(session["wanted_x_n"]))
 
     def test_a_change_of_fields_is_marked_in_the_recording(self):
@@ -291,7 +291,7 @@ class LiveTest(unittest.TestCase):
             if report["replies"] > 10:
                 break
         self.assertEqual(report["replies"], len(hands))
-        self.assertEqual(report["answers"], report["replies"], "its name before")
+        self.assertEqual(report["answers"], report["replies"], "the former name of replies")
         self.assertGreater(report["replies"], 10)
         self.assertAlmostEqual(report["rate_hz"], report["replies"] / report["seconds"])
         self.assertGreater(report["compute_p99_us"], 0)
@@ -318,7 +318,7 @@ class LiveTest(unittest.TestCase):
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-kill-{os.getpid()}.hapton")
         self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
         system = self.start("--record", recording)
-        killed = subprocess.run([sys.executable, "-c", CRASH, system.hub], timeout=60)
+        killed = subprocess.run([sys.executable, "-c", KILLED_PROGRAM, system.hub], timeout=60)
         self.assertEqual(killed.returncode, -signal.SIGKILL)
         client = hapton.Client(system.hub)
         self.assertTrue(wait_until(lambda: client.state() is not None and not client.state()["force_n"].any()))

@@ -11,9 +11,9 @@ from live_system import LiveSystem
 
 
 def free_port():
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        return taken.getsockname()[1]
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
 
 
 class MetricsTest(unittest.TestCase):
@@ -27,14 +27,14 @@ class MetricsTest(unittest.TestCase):
         cls.system.close()
 
     def scrape(self):
-        with urllib.request.urlopen(f"http://{self.address}/metrics", timeout=60) as answer:
-            return answer.read().decode()
+        with urllib.request.urlopen(f"http://{self.address}/metrics", timeout=60) as reply:
+            return reply.read().decode()
 
     def test_each_scrape_is_measured_anew(self):
         def up_s():
             return float(re.search(r"^hapton_up_seconds (\S+)", self.scrape(), re.MULTILINE).group(1))
 
-        # An io_node that stands still for half a second is not waited for: the text of before is served. Then it is tried again.
+        # If io_node stands still for half a second, the previous text is served. Then the test tries again.
         for _ in range(20):
             seconds = [up_s() for _ in range(4)]
             self.assertEqual(seconds, sorted(seconds))
@@ -43,8 +43,8 @@ class MetricsTest(unittest.TestCase):
         self.fail(f"{seconds}: each is to be later than the one before")
 
     def test_promtool_finds_nothing(self):
-        fetched = pathlib.Path(__file__).parents[2] / "build/promtool/usr/bin"
-        promtool = shutil.which("promtool") or shutil.which("promtool", path=fetched)
+        promtool_folder = pathlib.Path(__file__).parents[2] / "build/promtool/usr/bin"
+        promtool = shutil.which("promtool") or shutil.which("promtool", path=promtool_folder)
         if not promtool:
             self.skipTest("promtool is not here: deploy/promtool")
         checked = subprocess.run([promtool, "check", "metrics"], input=self.scrape(), capture_output=True, text=True)

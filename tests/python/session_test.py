@@ -132,7 +132,7 @@ def varint(number):
     return bytes([number]) if number < 0x80 else bytes([number & 0x7F | 0x80]) + varint(number >> 7)
 
 
-def checked(body):
+def with_checksum(body):
     """A message of a recording, with its length and its check."""
     return varint(len(body) + 5) + body + b"\x7d" + struct.pack("<I", zlib.crc32(body))
 
@@ -140,7 +140,7 @@ def checked(body):
 def recording_of(haptics_setup):
     envelope = b"\x08\x03" + field_of_bytes(26, haptics_setup)
     datagram = field_of_bytes(1, bytes(10) + b"\xff\xff\x7f\x00\x00\x01") + b"\x10\x01" + field_of_bytes(3, envelope)
-    return b"hapton.session/1\n" + checked(b"") + checked(field_of_bytes(2, datagram))
+    return b"hapton.session/1\n" + with_checksum(b"") + with_checksum(field_of_bytes(2, datagram))
 
 
 class TextsTest(unittest.TestCase):

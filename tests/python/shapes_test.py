@@ -23,8 +23,8 @@ class ShapesTest(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.recording = os.path.join(cls.folder.name, "monday.hapton")
         cls.rest = hapton.load_mesh(os.path.join(SOURCE, "meshes", "supple_block.obj"), unit="mm", seal=False)
-        higher = np.maximum(0.0, cls.rest.vertices[:, 2:] / 0.02) * [0.0, 0.0, 1.0]
-        cls.shapes = [height * higher for height in (0.001, -0.002, 0.003)]
+        per_metre = np.maximum(0.0, cls.rest.vertices[:, 2:] / 0.02) * [0.0, 0.0, 1.0]
+        cls.shapes = [height * per_metre for height in (0.001, -0.002, 0.003)]
         with LiveSystem("--record", cls.recording, scene="swelling.toml") as system:
             system.record_for(0.5, cls.recording)
             client = hapton.Client(system.hub)
@@ -65,8 +65,8 @@ class ShapesTest(unittest.TestCase):
         np.testing.assert_array_equal(shapes["before"][1:], shapes["serial"][:-1])
         shapes = hapton.read_session(self.recording, vertices=True)["shapes"]
         self.assertEqual(shapes["row"].tolist(), [0, 1, 2])
-        (of, displacements), = shapes["displacements_m"].items()
-        self.assertEqual(of, (shapes["process"][0], shapes["object"][0]))
+        (key, displacements), = shapes["displacements_m"].items()
+        self.assertEqual(key, (shapes["process"][0], shapes["object"][0]))
         self.check(displacements)
 
     def test_mcap_has_a_message_of_each_shape(self):
