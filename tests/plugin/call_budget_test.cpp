@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kOver = CallBudget::kDefaultNs + 1;
-constexpr std::int64_t kFar = CallBudget::kFarNs + 1;
+constexpr std::int64_t kFarOver = CallBudget::kFarNs + 1;
 
 TEST(CallBudget, TheBudgetItselfIsGoodForEver) {
   CallBudget budget;
@@ -22,10 +22,10 @@ TEST(CallBudget, TenOverrunsInARowExhaustItForGood) {
 
 TEST(CallBudget, OneFarOverrunIsForgivenTwoAreNot) {
   CallBudget once;
-  EXPECT_TRUE(once.add(50 * kFar)) << "a machine that stands still";
+  EXPECT_TRUE(once.add(50 * kFarOver)) << "a machine that stands still";
   for (int n = 0; n < 1000; ++n) EXPECT_TRUE(once.add(0));
-  EXPECT_TRUE(once.add(kFar));
-  EXPECT_FALSE(once.add(kFar));
+  EXPECT_TRUE(once.add(kFarOver));
+  EXPECT_FALSE(once.add(kFarOver));
 }
 
 TEST(CallBudget, OneCallInAHundredMayOverrunNotTwo) {

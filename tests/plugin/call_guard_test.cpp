@@ -19,19 +19,19 @@ struct CallGuardTest : testing::Test {
   CallGuard guard{clock, CallBudget::kDefaultNs, 2.0, 0.1};
   int calls = 0;
 
-  Vec3 give(const Vec3& force_n, const Vec3& torque_nm = Vec3::Zero()) {
+  Vec3 step_with(const Vec3& force_n, const Vec3& torque_nm = Vec3::Zero()) {
     return guard
         .step(1e-3,
-              [&](PluginForce& given) {
+              [&](PluginForce& output) {
                 ++calls;
-                given = {force_n, torque_nm};
+                output = {force_n, torque_nm};
               })
         .force_n;
   }
 };
 
 TEST_F(CallGuardTest, AGoodForcePasses) {
-  EXPECT_EQ(give({0.0, 2.0, 0.0}), Vec3(0.0, 2.0, 0.0));
+  EXPECT_EQ(step_with({0.0, 2.0, 0.0}), Vec3(0.0, 2.0, 0.0));
   EXPECT_FALSE(guard.cut_off());
   EXPECT_EQ(guard.most_n(), 2.0);
   EXPECT_EQ(guard.times().count(), 1U);
@@ -44,9 +44,9 @@ TEST_F(CallGuardTest, AfterNonsenseTheLastGoodForceFadesAndNothingIsCalledAgain)
     CallGuard fresh(clock, CallBudget::kDefaultNs, 2.0, 0.1);
     int called = 0;
     const auto step = [&](const Vec3& force_n) {
-      return fresh.step(1e-3, [&](PluginForce& given) {
+      return fresh.step(1e-3, [&](PluginForce& output) {
         ++called;
-        given.force_n = force_n;
+        output.force_n = force_n;
       });
     };
     double last_n = step({1.5, 0, 0}).force_n.norm();
@@ -63,19 +63,19 @@ TEST_F(CallGuardTest, AfterNonsenseTheLastGoodForceFadesAndNothingIsCalledAgain)
 }
 
 TEST_F(CallGuardTest, TorqueHasItsOwnLimit) {
-  give({1, 0, 0}, {0.1, 0, 0});
+  step_with({1, 0, 0}, {0.1, 0, 0});
   EXPECT_FALSE(guard.cut_off());
-  give({1, 0, 0}, {0.2, 0, 0});
+  step_with({1, 0, 0}, {0.2, 0, 0});
   EXPECT_THAT(describe(guard.cut_off()), HasSubstr("0.2 Nm, its limit is 0.1 Nm"));
 }
 
 TEST_F(CallGuardTest, ATorqueThatIsNotFiniteIsNonsense) {
-  give({1, 0, 0}, {0, std::nan(""), 0});
+  step_with({1, 0, 0}, {0, std::nan(""), 0});
   EXPECT_THAT(describe(guard.cut_off()), HasSubstr("not finite"));
 }
 
 TEST_F(CallGuardTest, AnExceptionIsCaughtAndNamed) {
-  give({1, 0, 0});
+  step_with({1, 0, 0});
   const PluginForce after = guard.step(1e-3, [](PluginForce&) { throw std::runtime_error("no"); });
   EXPECT_NEAR(after.force_n.x(), 0.99, 1e-12);
   EXPECT_EQ(describe(guard.cut_off()), "it threw a C++ exception");
@@ -87,8 +87,8 @@ TEST_F(CallGuardTest, OverrunsCutOffWithTheLastGoodForce) {
   for (; steps < 100 && !guard.cut_off(); ++steps) {
     last_n = guard
                  .step(1e-3,
-                       [&](PluginForce& given) {
-                         given.force_n = Vec3(1, 0, 0);
+                       [&](PluginForce& output) {
+                         output.force_n = Vec3(1, 0, 0);
                          clock.advance_ns(CallBudget::kDefaultNs + 1);
                        })
                  .force_n.norm();
@@ -99,18 +99,18 @@ TEST_F(CallGuardTest, OverrunsCutOffWithTheLastGoodForce) {
 }
 
 TEST_F(CallGuardTest, ANewSessionFeelsNothingOfTheFade) {
-  give({1, 0, 0});
-  give({9, 0, 0});
+  step_with({1, 0, 0});
+  step_with({9, 0, 0});
   guard.forget();
-  EXPECT_EQ(give({1, 0, 0}), Vec3(0, 0, 0));
+  EXPECT_EQ(step_with({1, 0, 0}), Vec3(0, 0, 0));
   EXPECT_TRUE(guard.cut_off()) << "for good";
 }
 
 TEST_F(CallGuardTest, TheReportHasTheTimesOfTheCalls) {
   EXPECT_EQ(describe_calls(guard), "0 calls, maximum 0.000 N\n");
   for (int n = 0; n < 100; ++n) {
-    guard.step(1e-3, [&](PluginForce& given) {
-      given.force_n = Vec3(0.0, n == 7 ? -1.25 : 0.5, 0.0);
+    guard.step(1e-3, [&](PluginForce& output) {
+      output.force_n = Vec3(0.0, n == 7 ? -1.25 : 0.5, 0.0);
       clock.advance_ns(n < 60 ? 40 : n < 99 ? 80 : 127);
     });
   }
@@ -120,12 +120,12 @@ TEST_F(CallGuardTest, TheReportHasTheTimesOfTheCalls) {
 TEST_F(CallGuardTest, TheFadeTakesATenthOfASecondHoweverItIsCut) {
   for (const double dt_s : {1e-3, 2e-3, 0.025}) {
     CallGuard cut(clock, CallBudget::kDefaultNs, 2.0, 0.1);
-    cut.step(dt_s, [](PluginForce& given) { given = {Vec3(1, 0, 0), Vec3(0, 0.1, 0)}; });
+    cut.step(dt_s, [](PluginForce& output) { output = {Vec3(1, 0, 0), Vec3(0, 0.1, 0)}; });
     double passed_s = 0.0;
     for (; passed_s < 0.0999 - dt_s; passed_s += dt_s) {
-      const PluginForce felt = cut.step(dt_s, [](PluginForce&) { throw 1; });
-      EXPECT_NEAR(felt.force_n.x(), 1.0 - (passed_s + dt_s) / CallGuard::kFadeS, 1e-9);
-      EXPECT_NEAR(felt.torque_nm.y(), 0.1 * felt.force_n.x(), 1e-12);
+      const PluginForce faded = cut.step(dt_s, [](PluginForce&) { throw 1; });
+      EXPECT_NEAR(faded.force_n.x(), 1.0 - (passed_s + dt_s) / CallGuard::kFadeS, 1e-9);
+      EXPECT_NEAR(faded.torque_nm.y(), 0.1 * faded.force_n.x(), 1e-12);
     }
     cut.step(dt_s, [](PluginForce&) {});
     EXPECT_EQ(cut.step(dt_s, [](PluginForce&) {}).force_n, Vec3(0, 0, 0));
@@ -134,9 +134,9 @@ TEST_F(CallGuardTest, TheFadeTakesATenthOfASecondHoweverItIsCut) {
 
 TEST_F(CallGuardTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  give({1, 0, 0});
+  step_with({1, 0, 0});
   const AllocationGuard heap;
-  for (int n = 0; n < 1000; ++n) give({n == 500 ? 1e9 : 1.0, 0, 0});
+  for (int n = 0; n < 1000; ++n) step_with({n == 500 ? 1e9 : 1.0, 0, 0});
   EXPECT_EQ(heap.count(), 0U);
 }
 

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-PluginChoice odd(const std::string& parameters) {
+PluginChoice odd_effect(const std::string& parameters) {
   return *parse_plugin_choice(standin::library("plugins/odd_effect.so") + (parameters.empty() ? "" : ":" + parameters));
 }
 
@@ -35,23 +35,23 @@ struct PluginEffectsTest : testing::Test {
 };
 
 TEST_F(PluginEffectsTest, TheForcesOfAllAreAdded) {
-  ASSERT_TRUE(effects.add(odd("n=1")));
-  ASSERT_TRUE(effects.add(odd("n=0.5")));
+  ASSERT_TRUE(effects.add(odd_effect("n=1")));
+  ASSERT_TRUE(effects.add(odd_effect("n=0.5")));
   EXPECT_NEAR(step().force_n.x(), 1.5, 1e-12);
 }
 
 TEST_F(PluginEffectsTest, VelocityAndContactForceAreThoseOfTheHandInW) {
-  ASSERT_TRUE(effects.add(odd("does=copy")));
+  ASSERT_TRUE(effects.add(odd_effect("does=copy")));
   moment.force_n = {0.1, -0.2, 0.3};
   for (int n = 0; n < 20; ++n) step();
-  const PluginForce felt = step();
-  EXPECT_NEAR(felt.force_n.x(), 0.01, 1e-9) << "0.1 m/s";
-  EXPECT_NEAR(felt.force_n.y(), 0.0, 1e-12);
-  EXPECT_EQ(felt.torque_nm, Vec3(0.01 * moment.force_n));
+  const PluginForce force = step();
+  EXPECT_NEAR(force.force_n.x(), 0.01, 1e-9) << "0.1 m/s";
+  EXPECT_NEAR(force.force_n.y(), 0.0, 1e-12);
+  EXPECT_EQ(force.torque_nm, Vec3(0.01 * moment.force_n));
 }
 
 TEST_F(PluginEffectsTest, TimeBeginsAnewAtAReset) {
-  ASSERT_TRUE(effects.add(odd("does=lean")));
+  ASSERT_TRUE(effects.add(odd_effect("does=lean")));
   moment.sample = static_cast<std::uint64_t>(-1);  // the step makes it 0
   moment.time_ns = 1'700'000'000'000;
   EXPECT_NEAR(step().force_n.x(), 0.001, 1e-12);
@@ -63,8 +63,8 @@ TEST_F(PluginEffectsTest, TimeBeginsAnewAtAReset) {
 }
 
 TEST_F(PluginEffectsTest, OneThatMisbehavesIsNamedOnceAndTheOthersGoOn) {
-  ASSERT_TRUE(effects.add(odd("does=strong,after=10")));
-  ASSERT_TRUE(effects.add(odd("n=0.25")));
+  ASSERT_TRUE(effects.add(odd_effect("does=strong,after=10")));
+  ASSERT_TRUE(effects.add(odd_effect("n=0.25")));
   for (int n = 0; n < 10; ++n) step();
   EXPECT_FALSE(effects.has_notices());
   EXPECT_NEAR(step().force_n.x(), 1.24, 1e-12);
@@ -82,12 +82,12 @@ TEST_F(PluginEffectsTest, OneThatMisbehavesIsNamedOnceAndTheOthersGoOn) {
 TEST_F(PluginEffectsTest, EveryKindOfNonsenseCutsOff) {
   for (const char* does : {"nan", "torque_nan", "huge", "strong", "exception"}) {
     PluginEffects one(clock);
-    ASSERT_TRUE(one.add(odd(std::string("after=1,does=") + does)));
+    ASSERT_TRUE(one.add(odd_effect(std::string("after=1,does=") + does)));
     EXPECT_EQ(one.step(moment).force_n.x(), 1.0);
-    const PluginForce felt = one.step(moment);
+    const PluginForce force = one.step(moment);
     EXPECT_TRUE(one.has_notices()) << does;
-    EXPECT_NEAR(felt.force_n.x(), 0.99, 1e-12) << does;
-    EXPECT_TRUE(felt.force_n.allFinite() && felt.torque_nm.allFinite());
+    EXPECT_NEAR(force.force_n.x(), 0.99, 1e-12) << does;
+    EXPECT_TRUE(force.force_n.allFinite() && force.torque_nm.allFinite());
   }
 }
 
@@ -95,7 +95,7 @@ TEST_F(PluginEffectsTest, EveryKindOfNonsenseCutsOff) {
 TEST_F(PluginEffectsTest, OneThatSleepsIsCutOffAfterTheSecondCall) {
   const SteadyClock steady;
   PluginEffects one(steady);
-  ASSERT_TRUE(one.add(odd("does=sleep,ms=15")));
+  ASSERT_TRUE(one.add(odd_effect("does=sleep,ms=15")));
   one.step(moment);
   EXPECT_FALSE(one.has_notices());
   one.step(moment);
@@ -104,23 +104,23 @@ TEST_F(PluginEffectsTest, OneThatSleepsIsCutOffAfterTheSecondCall) {
 }
 
 TEST_F(PluginEffectsTest, ItsOwnWordsOfRejectionAreOneLine) {
-  const auto rejected = effects.add(odd("does=reject,n=7"));
+  const auto rejected = effects.add(odd_effect("does=reject,n=7"));
   ASSERT_FALSE(rejected);
   EXPECT_THAT(rejected.error().what, AllOf(HasSubstr("odd_one does not start: n must be less than 7"), HasSubstr("does=reject,n=7")));
-  EXPECT_THAT(effects.add(odd("does=silent")).error().what, HasSubstr("it does not say why"));
-  EXPECT_THAT(effects.add(odd("does=create_exception")).error().what, HasSubstr("threw a C++ exception in create"));
+  EXPECT_THAT(effects.add(odd_effect("does=silent")).error().what, HasSubstr("it does not say why"));
+  EXPECT_THAT(effects.add(odd_effect("does=create_exception")).error().what, HasSubstr("threw a C++ exception in create"));
   EXPECT_TRUE(effects.empty());
 }
 
 TEST_F(PluginEffectsTest, TheTextOfARecordingNamesThemAndWhoWasCutOff) {
   EXPECT_EQ(effects.to_text(), "");
-  ASSERT_TRUE(effects.add(odd("n=1")));
-  ASSERT_TRUE(effects.add(odd("does=nan")));
+  ASSERT_TRUE(effects.add(odd_effect("n=1")));
+  ASSERT_TRUE(effects.add(odd_effect("does=nan")));
   EXPECT_THAT(effects.to_text(), testing::MatchesRegex(" effects=odd_one@[0-9a-f]{16},odd_one@[0-9a-f]{16}"));
   step();
   EXPECT_THAT(effects.to_text(), testing::MatchesRegex(" effects=odd_one@[0-9a-f]{16},odd_one@[0-9a-f]{16}!cut"));
-  ASSERT_TRUE(effects.add(odd("n=2")));
-  EXPECT_THAT(effects.add(odd("n=3")).error().what, HasSubstr("at most 3"));
+  ASSERT_TRUE(effects.add(odd_effect("n=2")));
+  EXPECT_THAT(effects.add(odd_effect("n=3")).error().what, HasSubstr("at most 3"));
 }
 
 TEST_F(PluginEffectsTest, OurSideUsesNoHeapAndMakesNoSystemCall) {
@@ -129,8 +129,8 @@ TEST_F(PluginEffectsTest, OurSideUsesNoHeapAndMakesNoSystemCall) {
     effects.reset();
     for (int n = 0; n < 1000; ++n) step();
   };
-  ASSERT_TRUE(effects.add(odd("n=1")));
-  ASSERT_TRUE(effects.add(odd("does=strong,after=500")));
+  ASSERT_TRUE(effects.add(odd_effect("n=1")));
+  ASSERT_TRUE(effects.add(odd_effect("does=strong,after=500")));
   if (SystemCallGuard::is_available()) {
     EXPECT_EQ(SystemCallGuard::run([] {}, work), "");
   }

@@ -21,30 +21,30 @@ using ::testing::HasSubstr;
 std::string plugin(const std::string& name) { return standin::library("plugins/" + name + ".so"); }
 
 // The error if a file is opened as an effect; empty: none.
-std::string fault_of(const std::string& path) {
+std::string open_error(const std::string& path) {
   const auto file = PluginFile::open({.file = path});
   if (!file) return file.error().what;
   const auto effect = file->find_effect();
   return effect ? "" : effect.error().what;
 }
 
-TEST(PluginFile, AGoodOneIsLoadedAndItsEffectFound) { EXPECT_EQ(fault_of(plugin("odd_effect")), ""); }
+TEST(PluginFile, AGoodOneIsLoadedAndItsEffectFound) { EXPECT_EQ(open_error(plugin("odd_effect")), ""); }
 
 TEST(PluginFile, EachFaultIsOneLineWithThePathAndARemedy) {
   const ScratchFolder scratch;
-  EXPECT_THAT(fault_of((scratch.path() / "gone.so").string()), AllOf(HasSubstr("gone.so"), HasSubstr("No such file")));
-  EXPECT_THAT(fault_of(scratch.path().string()), HasSubstr("it is a folder"));
-  EXPECT_THAT(fault_of(scratch.write("text.so", "force = 2 N\n").string()), AllOf(HasSubstr("text.so"), HasSubstr("gcc -shared")));
-  EXPECT_THAT(fault_of(scratch.write("empty.so", "").string()), HasSubstr("is not a shared library"));
-  EXPECT_THAT(fault_of(plugin("nothing")), HasSubstr("exports no hapton_effect"));
-  EXPECT_THAT(fault_of(plugin("old_effect")), AllOf(HasSubstr("version 0"), HasSubstr("this release")));
-  EXPECT_THAT(fault_of(plugin("small_effect")), HasSubstr("8 bytes"));
-  EXPECT_THAT(fault_of(plugin("stepless_effect")), HasSubstr("has no step"));
-  EXPECT_THAT(fault_of(plugin("boundless_effect")), HasSubstr("max_force_n is 1000000000"));
-  EXPECT_THAT(fault_of(plugin("twisting_effect")), HasSubstr("max_torque_nm is 10.5; state the largest torque it gives, 0 to 10 Nm"));
-  EXPECT_THAT(fault_of(plugin("needy_effect")), AllOf(HasSubstr("nowhere_to_be_found"), HasSubstr("ldd")));
+  EXPECT_THAT(open_error((scratch.path() / "gone.so").string()), AllOf(HasSubstr("gone.so"), HasSubstr("No such file")));
+  EXPECT_THAT(open_error(scratch.path().string()), HasSubstr("it is a folder"));
+  EXPECT_THAT(open_error(scratch.write("text.so", "force = 2 N\n").string()), AllOf(HasSubstr("text.so"), HasSubstr("gcc -shared")));
+  EXPECT_THAT(open_error(scratch.write("empty.so", "").string()), HasSubstr("is not a shared library"));
+  EXPECT_THAT(open_error(plugin("nothing")), HasSubstr("exports no hapton_effect"));
+  EXPECT_THAT(open_error(plugin("old_effect")), AllOf(HasSubstr("version 0"), HasSubstr("this release")));
+  EXPECT_THAT(open_error(plugin("small_effect")), HasSubstr("8 bytes"));
+  EXPECT_THAT(open_error(plugin("stepless_effect")), HasSubstr("has no step"));
+  EXPECT_THAT(open_error(plugin("boundless_effect")), HasSubstr("max_force_n is 1000000000"));
+  EXPECT_THAT(open_error(plugin("twisting_effect")), HasSubstr("max_torque_nm is 10.5; state the largest torque it gives, 0 to 10 Nm"));
+  EXPECT_THAT(open_error(plugin("needy_effect")), AllOf(HasSubstr("nowhere_to_be_found"), HasSubstr("ldd")));
   for (const char* name : {"nothing", "old_effect", "small_effect", "needy_effect"}) {
-    EXPECT_EQ(fault_of(plugin(name)).find('\n'), std::string::npos) << name;
+    EXPECT_EQ(open_error(plugin(name)).find('\n'), std::string::npos) << name;
   }
 }
 
@@ -59,7 +59,7 @@ TEST(PluginFile, AnotherProcessorAndOtherKindsOfElfAreNamed) {
     change(header);
     std::string other = bytes;
     std::memcpy(other.data(), &header, sizeof header);
-    return fault_of(scratch.write("other.so", other).string());
+    return open_error(scratch.write("other.so", other).string());
   };
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_machine = EM_RISCV; }), AllOf(HasSubstr("another processor"), HasSubstr("243")));
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_ident[EI_CLASS] = ELFCLASS32; }), HasSubstr("32-bit"));
@@ -69,7 +69,7 @@ TEST(PluginFile, AnotherProcessorAndOtherKindsOfElfAreNamed) {
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_phoff = ~0ULL - 8; }), HasSubstr("cut short"));
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_phentsize = 0, h.e_phnum = 0; }), HasSubstr("cut short"))
       << "other program headers than these";
-  EXPECT_THAT(fault_of(scratch.write("short.so", bytes.substr(0, 20)).string()), HasSubstr("cut short"));
+  EXPECT_THAT(open_error(scratch.write("short.so", bytes.substr(0, 20)).string()), HasSubstr("cut short"));
 }
 
 TEST(PluginFile, AnEffectIsNoMethodAndNoDeviceAndSaysWhatItIs) {
@@ -97,17 +97,18 @@ TEST(PluginFile, OneThatWasCompiledAgainSinceItWasLoadedIsRejected) {
     std::filesystem::copy_file(plugin(name), mine);
   };
   compile("odd_effect");
-  EXPECT_EQ(fault_of(mine.string()), "");
+  EXPECT_EQ(open_error(mine.string()), "");
   compile("nothing");
-  EXPECT_THAT(fault_of(mine.string()), AllOf(HasSubstr("mine.so: has changed since it was loaded"), HasSubstr("start this program again")));
+  EXPECT_THAT(open_error(mine.string()),
+              AllOf(HasSubstr("mine.so: has changed since it was loaded"), HasSubstr("start this program again")));
   compile("odd_effect");
-  EXPECT_EQ(fault_of(mine.string()), "") << "the same bytes";
+  EXPECT_EQ(open_error(mine.string()), "") << "the same bytes";
 }
 
 TEST(PluginFile, ARelativePathIsTheCallersFolder) {
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(std::filesystem::path(plugin("odd_effect")).parent_path());
-  EXPECT_EQ(fault_of("odd_effect.so"), "") << "the loader alone would look in its own folders";
+  EXPECT_EQ(open_error("odd_effect.so"), "") << "the loader alone would look in its own folders";
   std::filesystem::current_path(before);
 }
 

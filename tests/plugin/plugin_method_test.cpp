@@ -56,26 +56,26 @@ TEST_F(PluginMethodTest, KnowsStylusVelocityTimeAndButtonsInTheFrameOfTheScene) 
   input.q_WT = turn_by(Vec3(0, 0, -0.5));  // its y axis leans to +x
   input.buttons = 5;
   touch.reset(input);
-  TouchOutput told;
+  TouchOutput output;
   for (int n = 0; n < 20; ++n) {
     input.p_WD = Vec3(0.01 + 2e-4 * n, 0.1, 0.0);
-    told = touch.step(input);
+    output = touch.step(input);
   }
-  const Vec3 v_W = told.force_n;  // in frame W again
+  const Vec3 v_W = output.force_n;  // in frame W again
   EXPECT_NEAR(v_W.x(), 0.2, 1e-9);
   EXPECT_NEAR(v_W.head<2>().norm(), 0.2, 1e-9);
-  const Vec3 p_S = input.X_WS.inverse(Eigen::Isometry) * Vec3(input.p_WD + told.visual_offset_m);
+  const Vec3 p_S = input.X_WS.inverse(Eigen::Isometry) * Vec3(input.p_WD + output.visual_offset_m);
   EXPECT_NEAR(p_S.x(), 0.019, 1e-9) << "time since the first sample";
   EXPECT_NEAR(p_S.y(), 5.0, 1e-9);
   // The y axis of the stylus is (sin 0.5, cos 0.5, 0) in W; x of S is -z of W, so this axis has no component along x of S.
   EXPECT_NEAR(p_S.z(), 0.0, 1e-9);
   input.X_WS = Pose::Identity();
-  for (int n = 0; n < 20; ++n) told = touch.step(input);
-  EXPECT_NEAR(input.p_WD.z() + told.visual_offset_m.z(), std::sin(0.5), 1e-9);
-  EXPECT_NEAR(told.force_n.norm(), 0.0, 1e-9) << "the scene moved, the hand did not";
+  for (int n = 0; n < 20; ++n) output = touch.step(input);
+  EXPECT_NEAR(input.p_WD.z() + output.visual_offset_m.z(), std::sin(0.5), 1e-9);
+  EXPECT_NEAR(output.force_n.norm(), 0.0, 1e-9) << "the scene moved, the hand did not";
   touch.reset(input);
-  told = touch.step(input);
-  EXPECT_NEAR(input.p_WD.x() + told.visual_offset_m.x(), 0.0, 1e-12) << "time begins again";
+  output = touch.step(input);
+  EXPECT_NEAR(input.p_WD.x() + output.visual_offset_m.x(), 0.0, 1e-12) << "time begins again";
 }
 
 TEST_F(PluginMethodTest, ASampleThatIsNotFiniteGivesNoForceAndReachesNoPlugin) {
@@ -126,17 +126,17 @@ TEST_F(PluginMethodTest, WhatIsCutOffIsCalledNoMore) {
 }
 
 TEST_F(PluginMethodTest, AnExceptionInResetOrWithMaterialsCutsItOff) {
-  const auto unwilling = make("does=reset_exception");
-  unwilling->reset({0, std::nan(""), 0});
-  EXPECT_FALSE(unwilling->guard().cut_off()) << "a position that is not finite is not passed on";
-  unwilling->reset({0, 0.01, 0});
-  EXPECT_EQ(unwilling->guard().cut_off().reason, CutOff::Reason::exception);
-  const auto choosy = make("does=material_exception");
-  choosy->reset({0, 0.01, 0});
-  EXPECT_FALSE(choosy->guard().cut_off());
+  const auto throws_in_reset = make("does=reset_exception");
+  throws_in_reset->reset({0, std::nan(""), 0});
+  EXPECT_FALSE(throws_in_reset->guard().cut_off()) << "a position that is not finite is not passed on";
+  throws_in_reset->reset({0, 0.01, 0});
+  EXPECT_EQ(throws_in_reset->guard().cut_off().reason, CutOff::Reason::exception);
+  const auto throws_in_set_materials = make("does=material_exception");
+  throws_in_set_materials->reset({0, 0.01, 0});
+  EXPECT_FALSE(throws_in_set_materials->guard().cut_off());
   const Material softer{.stiffness_n_per_m = 100.0};
-  choosy->set_materials({&softer, 1});
-  EXPECT_EQ(choosy->guard().cut_off().reason, CutOff::Reason::exception);
+  throws_in_set_materials->set_materials({&softer, 1});
+  EXPECT_EQ(throws_in_set_materials->guard().cut_off().reason, CutOff::Reason::exception);
 }
 
 // Without set_materials the materials from its creation stay. Without destroy nothing is called at its end.

@@ -10,15 +10,15 @@ namespace hapton::vrpn {
 // The bytes of a text such as "00 2a"; spaces and line ends have no meaning.
 inline Bytes hex(std::string_view text) {
   Bytes bytes;
-  int half = -1;
+  int high_digit = -1;
   for (const char letter : text) {
     if (letter == ' ' || letter == '\n') continue;
     const int value = letter <= '9' ? letter - '0' : letter - 'a' + 10;
-    if (half < 0) {
-      half = value;
+    if (high_digit < 0) {
+      high_digit = value;
     } else {
-      bytes.push_back(static_cast<std::byte>(16 * half + value));
-      half = -1;
+      bytes.push_back(static_cast<std::byte>(16 * high_digit + value));
+      high_digit = -1;
     }
   }
   return bytes;

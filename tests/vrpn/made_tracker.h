@@ -12,7 +12,7 @@
 
 namespace hapton::vrpn {
 
-// The first messages of a server, and a pose. The functions that encode them are tested against VRPN's bytes.
+// The bytes of a server's first messages, and of a pose. The functions that encode them are tested against VRPN's bytes.
 constexpr std::int32_t kMadeSender = 3, kMadeType = 7;
 inline Bytes say_hello(std::string_view device) {
   Bytes bytes;
@@ -39,11 +39,11 @@ class MadeTracker final : private StreamEndpoint::Listener {
   }
   void hang_up() { streams_->close(id_); }
   bool has_client() const { return id_ != 0; }
-  int calls() const { return calls_; }
-  const Bytes& heard() const { return heard_; }
+  int calls() const { return calls_; }           // how many clients have connected so far
+  const Bytes& heard() const { return heard_; }  // all bytes from all clients
   void set_hello(Bytes hello) { hello_ = std::move(hello); }
 
-  // Calls poll(), which serves the client, and step(now_ns), until step returns true. False: 20 s have passed.
+  // Calls poll(), which serves the client, and step(now_ns), until step returns true. False: it did not within 20 s.
   template <class Step>
   bool attend_until(Step&& step) {
     SteadyClock clock;

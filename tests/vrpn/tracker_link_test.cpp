@@ -20,9 +20,9 @@ struct VrpnTrackerLink : testing::Test {
   void open() { link = std::move(*TrackerLink::open({"Head0", to_string(server->address())}, 0)); }
   // The server sends the pose again until the link has received it.
   bool wait_for_pose(double x) {
-    const Bytes said = say_pose(0, {x, 0, 0});
+    const Bytes message_bytes = say_pose(0, {x, 0, 0});
     return server->attend_until([&](std::int64_t now_ns) {
-      server->say(said);
+      server->say(message_bytes);
       if (const auto newest = link->take_newest(now_ns)) pose = newest;
       return pose && pose->p_m.x() == x;
     });
@@ -69,38 +69,38 @@ TEST_F(VrpnTrackerLink, AsksASilentServerForASignOfLifeAndThenConnectsAnew) {
   open();
   ASSERT_TRUE(wait_for_pose(1.0));
   // The bytes that the link sends first: the cookie and two descriptions.
-  const std::size_t greeting = 24 + 40 + 56;
+  const std::size_t greeting_bytes = 24 + 40 + 56;
   ASSERT_TRUE(server->attend_until([&](std::int64_t now_ns) {
     link->take_newest(now_ns);
-    return server->heard().size() == greeting;
+    return server->heard().size() == greeting_bytes;
   }));
   // Simulated later times, at which the server has sent nothing more.
-  const std::int64_t asked_ns = SteadyClock().now_ns() + 2 * TrackerLink::kPingNs;
-  link->take_newest(asked_ns);
-  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() > greeting; }));
-  EXPECT_EQ(server->heard().size(), greeting + kHeaderBytes) << "one ping";
-  link->take_newest(asked_ns + TrackerLink::kPingNs - 1);
-  link->take_newest(asked_ns + TrackerLink::kPingNs);
-  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() >= greeting + 2 * kHeaderBytes; }));
+  const std::int64_t ping_time_ns = SteadyClock().now_ns() + 2 * TrackerLink::kPingNs;
+  link->take_newest(ping_time_ns);
+  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() > greeting_bytes; }));
+  EXPECT_EQ(server->heard().size(), greeting_bytes + kHeaderBytes) << "one ping";
+  link->take_newest(ping_time_ns + TrackerLink::kPingNs - 1);
+  link->take_newest(ping_time_ns + TrackerLink::kPingNs);
+  ASSERT_TRUE(server->attend_until([&](std::int64_t) { return server->heard().size() >= greeting_bytes + 2 * kHeaderBytes; }));
   // A ping that came too early makes this one due. Whatever was sent has arrived when the server sees the end of the connection.
-  link->take_newest(asked_ns + 2 * TrackerLink::kPingNs - 1);
-  const std::int64_t gone_ns = asked_ns + TrackerLink::kReceiveTimeoutNs;
-  link->take_newest(gone_ns);
+  link->take_newest(ping_time_ns + 2 * TrackerLink::kPingNs - 1);
+  const std::int64_t timeout_ns = ping_time_ns + TrackerLink::kReceiveTimeoutNs;
+  link->take_newest(timeout_ns);
   ASSERT_TRUE(server->attend_until([&](std::int64_t) { return !server->has_client(); }));
-  EXPECT_EQ(server->heard().size(), greeting + 2 * kHeaderBytes);
+  EXPECT_EQ(server->heard().size(), greeting_bytes + 2 * kHeaderBytes);
   EXPECT_FALSE(link->is_connected());
   EXPECT_TRUE(server->attend_until([&](std::int64_t) {
-    link->take_newest(gone_ns + TrackerLink::kRetryNs);
+    link->take_newest(timeout_ns + TrackerLink::kRetryNs);
     return server->calls() == 2;
   }));
 }
 
 TEST_F(VrpnTrackerLink, LeavesAServerThatIsNotVrpnAndTriesOnceASecond) {
   const std::string text = "HTTP/1.1 400 Bad Request\r\n";
-  const auto said = std::as_bytes(std::span(text));
-  server->set_hello(Bytes(said.begin(), said.end()));
+  const auto message_bytes = std::as_bytes(std::span(text));
+  server->set_hello(Bytes(message_bytes.begin(), message_bytes.end()));
   open();
-  // All times are simulated. Whether the link has called the server so many times, and left it, at that time, and calls it no further.
+  // All times are simulated. Whether, at that time, the link has connected this many times and disconnected, and does not connect again.
   const auto leaves_at = [&](std::int64_t now_ns, int calls) {
     int turns = 0;
     return server->attend_until([&](std::int64_t) {

@@ -12,20 +12,20 @@
 namespace hapton::vrpn {
 namespace {
 
-// A message is: length, seconds, microseconds, sender, type, sequence; then the body. kRest: the header without the length.
+// A message is: length, seconds, microseconds, sender, type, sequence; then the body. kHeaderRest: the header without the length.
 constexpr Header kHeader = {.sender = 2, .type = 5, .time = {0x01020304, 0x000f4240 - 1}, .sequence = 9};
-constexpr std::string_view kRest = "01020304 000f423f 00000002 00000005 00000009 ";
+constexpr std::string_view kHeaderRest = "01020304 000f423f 00000002 00000005 00000009 ";
 constexpr std::string_view kOne = "3ff0000000000000 ", kMinusTwo = "c000000000000000 ", kHalf = "3fe0000000000000 ",
                            kZero = "0000000000000000 ";
 
-std::string text(std::initializer_list<std::string_view> parts) {
+std::string join(std::initializer_list<std::string_view> parts) {
   std::string all;
   for (const std::string_view part : parts) all += part;
   return all;
 }
 
 void expect_bytes(const Bytes& bytes, std::initializer_list<std::string_view> expected) {
-  EXPECT_EQ(to_hex(bytes), to_hex(hex(text(expected))));
+  EXPECT_EQ(to_hex(bytes), to_hex(hex(join(expected))));
 }
 
 TEST(VrpnWire, Cookie) {
@@ -64,56 +64,56 @@ TEST(VrpnWire, TypeDescription) {
 TEST(VrpnWire, TrackerPositionAndQuaternionInTheOrderXYZW) {
   Bytes out;
   append_position(out, kHeader, 0, {1, -2, 0.5}, Quat(/*w*/ 1, /*x*/ 0.5, /*y*/ 0, /*z*/ -2));
-  expect_bytes(out, {"00000058 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kHalf, kZero, kMinusTwo, kOne});
+  expect_bytes(out, {"00000058 ", kHeaderRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kHalf, kZero, kMinusTwo, kOne});
 }
 
 TEST(VrpnWire, TrackerVelocity) {
   Bytes out;
   append_velocity(out, kHeader, {1, -2, 0.5}, Quat::Identity(), 0.5);
-  expect_bytes(out, {"00000060 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kZero, kZero, kZero, kOne, kHalf});
+  expect_bytes(out, {"00000060 ", kHeaderRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kZero, kZero, kZero, kOne, kHalf});
 }
 
 TEST(VrpnWire, TrackerWorkspace) {
   Bytes out;
   append_workspace(out, kHeader, {-2, -2, -2}, {1, 1, 0.5});
-  expect_bytes(out, {"00000048 ", kRest, kMinusTwo, kMinusTwo, kMinusTwo, kOne, kOne, kHalf});
+  expect_bytes(out, {"00000048 ", kHeaderRest, kMinusTwo, kMinusTwo, kMinusTwo, kOne, kOne, kHalf});
 }
 
 TEST(VrpnWire, ButtonChangeIsTwoNumbersWithoutACount) {
   Bytes out;
   append_button_change(out, kHeader, 3, true);
-  expect_bytes(out, {"00000020 ", kRest, "00000003 00000001"});
+  expect_bytes(out, {"00000020 ", kHeaderRest, "00000003 00000001"});
 }
 
 TEST(VrpnWire, ButtonStates) {
   Bytes out;
   append_button_states(out, kHeader, 0b101, 3);
-  expect_bytes(out, {"00000028 ", kRest, "00000003 00000001 00000000 00000001"});
+  expect_bytes(out, {"00000028 ", kHeaderRest, "00000003 00000001 00000000 00000001"});
 }
 
 TEST(VrpnWire, AnalogChannelsWithTheirCountAsADouble) {
   Bytes out;
   const std::array<double, 2> channels = {1.0, -2.0};
   append_analog(out, kHeader, channels);
-  expect_bytes(out, {"00000030 ", kRest, "4000000000000000 ", kOne, kMinusTwo});
+  expect_bytes(out, {"00000030 ", kHeaderRest, "4000000000000000 ", kOne, kMinusTwo});
 }
 
 TEST(VrpnWire, Force) {
   Bytes out;
   append_force(out, kHeader, {1, -2, 0.5});
-  expect_bytes(out, {"00000030 ", kRest, kOne, kMinusTwo, kHalf});
+  expect_bytes(out, {"00000030 ", kHeaderRest, kOne, kMinusTwo, kHalf});
 }
 
 TEST(VrpnWire, ForceErrorIsPaddedButItsLengthIsNot) {
   Bytes out;
   append_force_error(out, kHeader, 3);
-  expect_bytes(out, {"0000001c ", kRest, "00000003 00000000"});
+  expect_bytes(out, {"0000001c ", kHeaderRest, "00000003 00000000"});
 }
 
 TEST(VrpnWire, PongIsAHeaderAlone) {
   Bytes out;
   append_empty(out, kHeader);
-  expect_bytes(out, {"00000018 ", kRest});
+  expect_bytes(out, {"00000018 ", kHeaderRest});
 }
 
 TEST(VrpnWire, MessagesFollowEachOther) {
@@ -138,7 +138,7 @@ TEST(VrpnWire, AMessageIsReadWithItsPadding) {
 TEST(VrpnWire, ImpossibleLengthsAreRejected) {
   Message message;
   for (const char* length : {"00000000", "00000017", "ffffffff", "80000000", "00004001"}) {
-    const Bytes bytes = hex(text({length, "00000000 00000000 00000000 00000000 00000000"}));
+    const Bytes bytes = hex(join({length, "00000000 00000000 00000000 00000000 00000000"}));
     std::span<const std::byte> rest(bytes);
     EXPECT_EQ(read_message(rest, message), ReadStatus::broken) << length;
   }
