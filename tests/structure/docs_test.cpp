@@ -114,11 +114,11 @@ std::vector<std::string> find_unknown_tests(const fs::path& page, const std::vec
   std::vector<std::string> unknown;
   for (const std::string& line : read_lines(page)) {
     for (std::sregex_iterator at(line.begin(), line.end(), name), end; at != end; ++at) {
-      const std::string wanted = (*at)[1];
+      const std::string test_name = (*at)[1];
       const bool is_beginning = (*at)[2].matched;
-      const bool is_known = std::any_of(tests.begin(), tests.end(),
-                                        [&](const std::string& one) { return is_beginning ? one.starts_with(wanted) : one == wanted; });
-      if (!is_known) unknown.push_back(page.filename().string() + ": " + wanted);
+      const bool is_known = std::any_of(
+          tests.begin(), tests.end(), [&](const std::string& one) { return is_beginning ? one.starts_with(test_name) : one == test_name; });
+      if (!is_known) unknown.push_back(page.filename().string() + ": " + test_name);
     }
   }
   return unknown;

@@ -166,11 +166,11 @@ TEST(Layers, ForceMethodsDoNotIncludeEachOther) {
 
 // If the system cannot start a thread, the program must end with one line, not abort.
 TEST(Layers, EveryThreadIsStartedByStartThread) {
-  static const std::regex kStarted(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
+  static const std::regex kStartsThread(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
   std::vector<std::string> wrong;
   for (const std::string& folder : kFolders) {
     for (const SourceFile& file : read_folder(folder)) {
-      if (file.path != "runtime/start_thread.h" && std::regex_search(file.code, kStarted)) wrong.push_back(file.path);
+      if (file.path != "runtime/start_thread.h" && std::regex_search(file.code, kStartsThread)) wrong.push_back(file.path);
     }
   }
   EXPECT_THAT(wrong, IsEmpty());
@@ -178,13 +178,13 @@ TEST(Layers, EveryThreadIsStartedByStartThread) {
 
 // A mesh reader that is still at work when the program ends runs on while static objects are destroyed (see StoppableCalls).
 TEST(Layers, WhatReadsScenesHasNoStaticObjectsWithADestructor) {
-  static const std::regex kDestroyed(R"(\bstatic\s+const\s+[\w:<>, ]+\s\w+\s*[;={(])");
-  EXPECT_TRUE(std::regex_search("  static const toml::table kEmpty;", kDestroyed));
-  EXPECT_FALSE(std::regex_search("  static const auto& none = *new toml::table;", kDestroyed));
+  static const std::regex kStaticWithDestructor(R"(\bstatic\s+const\s+[\w:<>, ]+\s\w+\s*[;={(])");
+  EXPECT_TRUE(std::regex_search("  static const toml::table kEmpty;", kStaticWithDestructor));
+  EXPECT_FALSE(std::regex_search("  static const auto& none = *new toml::table;", kStaticWithDestructor));
   std::vector<std::string> wrong;
   for (const char* const folder : {"scene", "runtime"}) {
     for (const SourceFile& file : read_folder(folder)) {
-      if (std::regex_search(file.code, kDestroyed)) wrong.push_back(file.path);
+      if (std::regex_search(file.code, kStaticWithDestructor)) wrong.push_back(file.path);
     }
   }
   EXPECT_THAT(wrong, IsEmpty());
@@ -203,24 +203,25 @@ TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
   const std::string table = "link/message_kinds.h";
   EXPECT_THAT(find_wrong(kFolders,
                          [&](const SourceFile& file, const Include& include) {
-                           const bool is_seen = is_generated_by_protobuf(include.path) || include.path == table;
-                           return is_seen && !file.path.ends_with("codec.cpp") && file.path != table;
+                           const bool is_codec_only = is_generated_by_protobuf(include.path) || include.path == table;
+                           return is_codec_only && !file.path.ends_with("codec.cpp") && file.path != table;
                          }),
               IsEmpty());
 }
 
 // Two exceptions without network: the notification to systemd uses a local socket, and the watchdog notices by poll() that a process
 // has ended or a device was unplugged.
-bool may_see(const std::string& file, const std::string& socket) {
+bool may_use_socket(const std::string& file, const std::string& socket) {
   if (file == "runtime/service_notify.cpp") return socket == "sys/socket.h" || socket == "sys/un.h";
   if (file == "watchdog/main.cpp" || file == "watchdog/outer_watchdog.cpp") return socket == "poll.h";
   return is_under(file, "link") && file_name(file).find("endpoint") != std::string::npos;
 }
 
 TEST(Layers, OnlyEndpointFilesSeeSockets) {
-  EXPECT_THAT(find_wrong(kFolders, [](const SourceFile& file,
-                                      const Include& include) { return is_socket(include.path) && !may_see(file.path, include.path); }),
-              IsEmpty());
+  EXPECT_THAT(
+      find_wrong(kFolders, [](const SourceFile& file,
+                              const Include& include) { return is_socket(include.path) && !may_use_socket(file.path, include.path); }),
+      IsEmpty());
 }
 
 TEST(Layers, OnlyFloat8SeesVectorInstructions) {
@@ -243,7 +244,7 @@ TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
 
 bool is_openxr(const std::string& include) { return include.rfind("openxr/", 0) == 0; }
 
-// So that a build without OpenXR, or with a newer VTK, affects only a few files.
+// A build without OpenXR, or with a newer VTK, then affects only a few files.
 TEST(Layers, OnlyTheHeadsetSeesOpenXrAndItSeesNoVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
@@ -282,13 +283,13 @@ TEST(Nodes, PrintWithoutAnException) {
 TEST(Sources, HaveAtMost500Lines) {
   std::vector<std::string> folders = kFolders;
   folders.emplace_back("tests");
-  std::vector<std::string> longer;
+  std::vector<std::string> too_long;
   for (const std::string& folder : folders) {
     for (const SourceFile& file : read_folder(folder)) {
-      if (std::ranges::count(file.code, '\n') > 500) longer.push_back(file.path);
+      if (std::ranges::count(file.code, '\n') > 500) too_long.push_back(file.path);
     }
   }
-  EXPECT_THAT(longer, IsEmpty());
+  EXPECT_THAT(too_long, IsEmpty());
 }
 
 // Two classes with the same name in one program break the one-definition rule, and no linker reports it.
@@ -299,17 +300,17 @@ TEST(Sources, NoTwoHeadersDefineAClassOfOneName) {
     for (const SourceFile& file : read_folder(folder)) {
       if (!file.path.ends_with(".h")) continue;
       std::istringstream lines(file.code);
-      std::string space;
+      std::string name_space;
       for (std::string line; std::getline(lines, line);) {
-        std::smatch found;
-        if (!std::regex_match(line, found, kLine)) continue;
-        if (found[1].matched) space = found[1];
-        if (found[2].matched) headers[space + "::" + found[2].str()].push_back(file.path);
+        std::smatch match;
+        if (!std::regex_match(line, match, kLine)) continue;
+        if (match[1].matched) name_space = match[1];
+        if (match[2].matched) headers[name_space + "::" + match[2].str()].push_back(file.path);
       }
     }
   }
   EXPECT_GT(headers.size(), 500U);
-  for (const auto& [name, where] : headers) EXPECT_THAT(where, testing::SizeIs(1)) << name;
+  for (const auto& [name, paths] : headers) EXPECT_THAT(paths, testing::SizeIs(1)) << name;
 }
 
 TEST(Sources, ThrowNothingOfOurs) {
@@ -328,10 +329,10 @@ const std::map<std::string, std::string> kMayReadTheDate = {
 };
 
 TEST(Clocks, OnlyTheSteadyOneKeepsTime) {
-  static const std::regex kDate(R"(\b(system_clock|CLOCK_REALTIME|gettimeofday|high_resolution_clock|utc_clock)\b)");
+  static const std::regex kWallClock(R"(\b(system_clock|CLOCK_REALTIME|gettimeofday|high_resolution_clock|utc_clock)\b)");
   EXPECT_THAT(
       find_files(kFolders,
-                 [](const SourceFile& file) { return std::regex_search(file.code, kDate) && !kMayReadTheDate.contains(file.path); }),
+                 [](const SourceFile& file) { return std::regex_search(file.code, kWallClock) && !kMayReadTheDate.contains(file.path); }),
       IsEmpty());
 }
 

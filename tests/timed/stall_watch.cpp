@@ -10,11 +10,11 @@ StallWatch::StallWatch() {
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
   if (::sched_getaffinity(0, sizeof cpus, &cpus) != 0) CPU_SET(0, &cpus);
-  std::latch are_looking(CPU_COUNT(&cpus));
+  std::latch are_started(CPU_COUNT(&cpus));
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (CPU_ISSET(cpu, &cpus)) threads_.emplace_back([this, cpu, &are_looking] { look(cpu, are_looking); });
+    if (CPU_ISSET(cpu, &cpus)) threads_.emplace_back([this, cpu, &are_started] { watch_cpu(cpu, are_started); });
   }
-  are_looking.wait();
+  are_started.wait();
 }
 
 std::int64_t StallWatch::end() {
@@ -24,7 +24,7 @@ std::int64_t StallWatch::end() {
   return longest_ns();
 }
 
-void StallWatch::look(int cpu, std::latch& are_looking) {
+void StallWatch::watch_cpu(int cpu, std::latch& are_started) {
   cpu_set_t only;
   CPU_ZERO(&only);
   CPU_SET(cpu, &only);
@@ -33,7 +33,7 @@ void StallWatch::look(int cpu, std::latch& are_looking) {
   (void)::sched_setscheduler(0, SCHED_FIFO, &highest);
   SteadyClock clock;
   std::int64_t next_ns = clock.now_ns() + kNanosecondsPerMillisecond;
-  are_looking.count_down();
+  are_started.count_down();
   for (bool is_last = false; !is_last; next_ns = clock.now_ns() + kNanosecondsPerMillisecond) {
     is_last = is_ending_;
     clock.sleep_until_ns(next_ns);

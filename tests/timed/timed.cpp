@@ -22,8 +22,8 @@ using hapton::StallWatch;
 
 constexpr int kSkipped = 77;
 constexpr int kMaxRuns = 5;
-constexpr std::int64_t kLongestNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs together: no further run begins after this time
-constexpr std::int64_t kNoticedNs = StallWatch::kForceLifeNs / 2;
+constexpr std::int64_t kMaxTotalNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs together: no further run begins after this time
+constexpr std::int64_t kMinStallNs = StallWatch::kForceLifeNs / 2;
 
 double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
 
@@ -49,19 +49,19 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::int64_t begin_ns = hapton::SteadyClock().now_ns();
-  std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
+  std::int64_t shortest_stall_ns = std::numeric_limits<std::int64_t>::max();
   for (int n = 1;; ++n) {
     StallWatch watch;
     const int code = run(argv + 1);
     const std::int64_t stall_ns = watch.end();
-    if (code == 0 || code == kSkipped || stall_ns < kNoticedNs) return code;
+    if (code == 0 || code == kSkipped || stall_ns < kMinStallNs) return code;
     fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, ms(stall_ns));
     std::fflush(stdout);
-    least_ns = std::min(least_ns, stall_ns);
-    if (n == kMaxRuns || hapton::SteadyClock().now_ns() - begin_ns > kLongestNs) {
-      if (least_ns < StallWatch::kForceLifeNs) return code;
+    shortest_stall_ns = std::min(shortest_stall_ns, stall_ns);
+    if (n == kMaxRuns || hapton::SteadyClock().now_ns() - begin_ns > kMaxTotalNs) {
+      if (shortest_stall_ns < StallWatch::kForceLifeNs) return code;
       fmt::print("skipped: in each of {} runs this machine stood still for {:.1f} ms or more, longer than a force may live: not judged\n",
-                 n, ms(least_ns));
+                 n, ms(shortest_stall_ns));
       return kSkipped;
     }
     ::sleep(1);

@@ -23,7 +23,7 @@ struct Timed : testing::Test {
     std::ofstream(file) << "echo run >> " << runs << "\n" << script << "\n";
     return WEXITSTATUS(std::system((std::string(HAPTON_TIMED) + " sh " + file.string() + " > " + runs + ".out").c_str()));
   }
-  int runs_made() const {
+  int count_runs() const {
     std::ifstream file(runs);
     int n = 0;
     for (std::string line; std::getline(file, line);) ++n;
@@ -34,35 +34,35 @@ struct Timed : testing::Test {
 
 TEST_F(Timed, WhatPassesIsRunOnce) {
   EXPECT_EQ(run(stall + "exit 0"), 0);
-  EXPECT_EQ(runs_made(), 1);
+  EXPECT_EQ(count_runs(), 1);
 }
 
 TEST_F(Timed, AFailureOnAMachineThatStoodStillIsTriedAgain) {
   EXPECT_EQ(run(stall + "test $(wc -l < " + runs + ") -ge 3"), 0);
-  EXPECT_EQ(runs_made(), 3);
+  EXPECT_EQ(count_runs(), 3);
 }
 
 TEST_F(Timed, WhatFailsInEachRunWhileTheMachineStandsStillIsSkipped) {
   EXPECT_EQ(run(stall + "exit 1"), 77);
-  EXPECT_EQ(runs_made(), 5);
+  EXPECT_EQ(count_runs(), 5);
 }
 
 // This machine may stand still meanwhile: then each repetition has a line that says for how long.
 TEST_F(Timed, AFailureWithoutAStallIsNotRepeated) {
   const int code = run("exit 3");
-  EXPECT_TRUE(code == 3 || (code == 77 && runs_made() == 5)) << code;
+  EXPECT_TRUE(code == 3 || (code == 77 && count_runs() == 5)) << code;
   std::ifstream output(runs + ".out");
   int stalls = 0;
   for (std::string line; std::getline(output, line);) {
     int number = 0;
-    double stood_ms = 0.0;
+    double stall_ms = 0.0;
     constexpr const char* kLine = "run %d failed (exit code 3), and this machine stood still for up to %lf ms meanwhile";
-    if (std::sscanf(line.c_str(), kLine, &number, &stood_ms) != 2) continue;
+    if (std::sscanf(line.c_str(), kLine, &number, &stall_ms) != 2) continue;
     EXPECT_EQ(number, ++stalls);
-    EXPECT_GE(stood_ms, 0.5e-6 * static_cast<double>(StallWatch::kForceLifeNs) - 0.05) << "less than is noticed, and rounding";
+    EXPECT_GE(stall_ms, 0.5e-6 * static_cast<double>(StallWatch::kForceLifeNs) - 0.05) << "less than is noticed, and rounding";
   }
-  EXPECT_GE(runs_made(), 1);
-  EXPECT_LE(runs_made(), stalls + 1);
+  EXPECT_GE(count_runs(), 1);
+  EXPECT_LE(count_runs(), stalls + 1);
 }
 
 TEST_F(Timed, ACommandThatIsNotThere) {
