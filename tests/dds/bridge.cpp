@@ -31,8 +31,8 @@ int choose_own_domain() {
 }  // namespace
 
 int domain() {
-  static const int own = choose_own_domain();
-  return own;
+  static const int chosen_domain = choose_own_domain();
+  return chosen_domain;
 }
 
 Bridge::Bridge(const std::string& hub, const std::filesystem::path& folder, const std::vector<std::string>& more,

@@ -59,7 +59,7 @@ class BytesType : public fast::TopicDataType {
 };
 
 template <class Info>
-FoundTopic found(const Info& info) {
+FoundTopic describe_topic(const Info& info) {
   return {.type = info.typeName().c_str(),
           .is_reliable = info.m_qos.m_reliability.kind == fast::RELIABLE_RELIABILITY_QOS,
           .is_transient = info.m_qos.m_durability.kind != fast::VOLATILE_DURABILITY_QOS,
@@ -71,12 +71,12 @@ class Discoveries : public fast::DomainParticipantListener {
   void on_publisher_discovery(fast::DomainParticipant* self, rtps::WriterDiscoveryInfo&& info) override {
     if (info.info.guid().guidPrefix == self->guid().guidPrefix) return;
     const std::scoped_lock lock(mutex);
-    writers[info.info.topicName().c_str()] = found(info.info);
+    writers[info.info.topicName().c_str()] = describe_topic(info.info);
   }
   void on_subscriber_discovery(fast::DomainParticipant* self, rtps::ReaderDiscoveryInfo&& info) override {
     if (info.info.guid().guidPrefix == self->guid().guidPrefix) return;
     const std::scoped_lock lock(mutex);
-    readers[info.info.topicName().c_str()] = found(info.info);
+    readers[info.info.topicName().c_str()] = describe_topic(info.info);
   }
   std::mutex mutex;
   std::map<std::string, FoundTopic> writers;

@@ -62,7 +62,7 @@ class Responder {
 };
 
 // A straight line, so slow (0.2 mm/s) that its position tells the time, and so long that no test reaches its end.
-constexpr double kLengthS = 600.0;
+constexpr double kDurationS = 600.0;
 const Vec3 kStart(0.011, -0.023, 0.037);
 const Vec3 kVelocity(1e-4, -2e-4, 5e-5);
 constexpr double kTurnRadPerS = 2e-3;  // about z
@@ -75,11 +75,11 @@ void write_line(const System& system) {
   file << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons\n";
   file.precision(17);
   for (int i = 0; i <= 60; ++i) {
-    const double t_s = kLengthS * i / 60;
+    const double t_s = kDurationS * i / 60;
     const Vec3 p = kStart + t_s * kVelocity;
-    const double half = 0.5 * (kFirstTurnRad + t_s * kTurnRadPerS);
-    file << t_s << ',' << p.x() << ',' << p.y() << ',' << p.z() << ',' << std::cos(half) << ",0,0," << std::sin(half) << ',' << kButtons
-         << '\n';
+    const double half_rad = 0.5 * (kFirstTurnRad + t_s * kTurnRadPerS);
+    file << t_s << ',' << p.x() << ',' << p.y() << ',' << p.z() << ',' << std::cos(half_rad) << ",0,0," << std::sin(half_rad) << ','
+         << kButtons << '\n';
   }
 }
 
@@ -89,15 +89,15 @@ double time_of(const std::vector<double>& pose) { return (pose.at(0) - kStart.x(
 void expect_on_the_line(const std::vector<double>& pose) {
   const double t_s = time_of(pose);
   EXPECT_GE(t_s, -1e-6);
-  EXPECT_LT(t_s, kLengthS);
+  EXPECT_LT(t_s, kDurationS);
   const Vec3 p = kStart + t_s * kVelocity;
   EXPECT_NEAR(pose.at(1), p.y(), 1e-9);
   EXPECT_NEAR(pose.at(2), p.z(), 1e-9);
-  const double half = 0.5 * (kFirstTurnRad + t_s * kTurnRadPerS);
+  const double half_rad = 0.5 * (kFirstTurnRad + t_s * kTurnRadPerS);
   EXPECT_NEAR(pose.at(3), 0.0, 1e-6);
   EXPECT_NEAR(pose.at(4), 0.0, 1e-6);
-  EXPECT_NEAR(pose.at(5), std::sin(half), 1e-5);
-  EXPECT_NEAR(pose.at(6), std::cos(half), 1e-5);
+  EXPECT_NEAR(pose.at(5), std::sin(half_rad), 1e-5);
+  EXPECT_NEAR(pose.at(6), std::cos(half_rad), 1e-5);
 }
 
 TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
@@ -107,11 +107,11 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());
   ASSERT_TRUE(System::wait_until([&] { return ros.writers().size() >= 6; }));
-  const std::map<std::string, std::string> wanted = {
+  const std::map<std::string, std::string> expected = {
       {"rt/arm/pen/measured_cp", kPose},       {"rt/arm/pen/measured_cv", kTwist}, {"rt/arm/pen/measured_cf", kWrench},
       {"rt/arm/pen/proxy/measured_cp", kPose}, {"rt/arm/pen/joy", kJoy},           {"rt/tf", kTransforms}};
   const auto writers = ros.writers();
-  for (const auto& [topic, type] : wanted) {
+  for (const auto& [topic, type] : expected) {
     ASSERT_THAT(writers, Contains(Key(topic)));
     EXPECT_EQ(writers.at(topic).type, type);
     EXPECT_EQ(writers.at(topic).is_reliable, topic == "rt/tf") << topic;
@@ -195,7 +195,7 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
     }
   };
   // Whether the force of the last wrench is the whole force: the governor ramps it up.
-  const auto is_in_full = [&] {
+  const auto has_full_force = [&] {
     return !wrenches.empty() &&
            (Vec3(wrenches.rbegin()->second[0], wrenches.rbegin()->second[1], wrenches.rbegin()->second[2]) - reply.force_n).norm() < 1e-9;
   };
@@ -208,10 +208,10 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
     collect("rt/hapton/measured_cf", 6, wrenches);
     for (const auto& bytes : ros.take("rt/hapton/joy")) joy = FastNode::read_joy(bytes);
     for (const auto& bytes : ros.take("rt/tf")) transforms = FastNode::read_transforms(bytes);
-    return is_in_full() && joy && !transforms.empty() && poses.size() > 500 && proxies.size() > 500 && twists.size() > 500;
+    return has_full_force() && joy && !transforms.empty() && poses.size() > 500 && proxies.size() > 500 && twists.size() > 500;
   });
   ASSERT_GT(poses.size(), 500U);
-  ASSERT_TRUE(is_in_full()) << "the last force is not that of the last reply";
+  ASSERT_TRUE(has_full_force()) << "the last force is not that of the last reply";
   EXPECT_EQ(wrenches.rbegin()->second[3], 0.0);
   for (const auto& [unused, pose] : poses) expect_on_the_line(pose);
   // Stamps are the time of day; their differences are the time that passed on the line.
@@ -231,9 +231,9 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
     if (offset.isZero(0.0)) continue;  // before the first reply
     ++pairs;
     EXPECT_LT((offset - reply.visual_offset_m).norm(), 1e-12);
-    const double half = 0.5 * (kFirstTurnRad + time_of(pose->second) * kTurnRadPerS + 0.25);
-    EXPECT_NEAR(proxy[5], std::sin(half), 1e-5);
-    EXPECT_NEAR(proxy[6], std::cos(half), 1e-5);
+    const double half_rad = 0.5 * (kFirstTurnRad + time_of(pose->second) * kTurnRadPerS + 0.25);
+    EXPECT_NEAR(proxy[5], std::sin(half_rad), 1e-5);
+    EXPECT_NEAR(proxy[6], std::cos(half_rad), 1e-5);
   }
   EXPECT_GT(pairs, 100U);
 
@@ -275,11 +275,12 @@ TEST(DdsLive, AReliableSubscriberIsServedOnRequest) {
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());
   ros.subscribe("rt/hapton/measured_cf", kWrench, true);  // only a reliable writer matches a reliable reader
-  double most_n = 0.0;
+  double largest_n = 0.0;
   EXPECT_TRUE(System::wait_until([&] {
-    for (const auto& bytes : ros.take("rt/hapton/measured_cf")) most_n = std::max(most_n, FastNode::read_stamped(bytes, 6).numbers[2]);
-    return most_n > 0.59;
-  })) << most_n
+    for (const auto& bytes : ros.take("rt/hapton/measured_cf"))
+      largest_n = std::max(largest_n, FastNode::read_stamped(bytes, 6).numbers[2]);
+    return largest_n > 0.59;
+  })) << largest_n
       << " N\n"
       << system["io_node"].err();
   bridge.end();
@@ -294,21 +295,21 @@ TEST(DdsLive, ItWaitsForAHubThatIsStartedAnew) {
   FastNode ros(domain());
   ros.subscribe("rt/hapton/measured_cp", kPose);
   std::int64_t last_ns = 0;
-  const auto comes = [&] {
-    bool has_come = false;
+  const auto receives = [&] {
+    bool has_received = false;
     for (const auto& bytes : ros.take("rt/hapton/measured_cp")) {
       const std::int64_t stamp_ns = FastNode::read_stamped(bytes, 7).header.stamp_ns();
       EXPECT_GT(stamp_ns, last_ns);
       last_ns = stamp_ns;
-      has_come = true;
+      has_received = true;
     }
-    return has_come;
+    return has_received;
   };
-  ASSERT_TRUE(System::wait_until(comes));
+  ASSERT_TRUE(System::wait_until(receives));
   system.end("io_node");
-  comes();
+  receives();
   system.start("io_node");
-  EXPECT_TRUE(System::wait_until(comes));
+  EXPECT_TRUE(System::wait_until(receives));
   bridge.end();
   system.end_all();
 }

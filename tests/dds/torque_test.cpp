@@ -60,15 +60,15 @@ TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
   FastNode ros(domain());
   ros.subscribe("rt/hapton/measured_cf", kWrench);
   std::vector<Numbers> wrenches;
-  std::size_t turning = 0;
+  std::size_t with_torque = 0;
   EXPECT_TRUE(System::wait_until([&] {
     for (const auto& bytes : ros.take("rt/hapton/measured_cf")) {
       const auto numbers = FastNode::read_stamped(bytes, 6).numbers;
       wrenches.push_back({});
       std::copy(numbers.begin(), numbers.end(), wrenches.back().begin());
-      turning += std::hypot(numbers[3], numbers[4], numbers[5]) > 0.001 ? 1 : 0;
+      with_torque += std::hypot(numbers[3], numbers[4], numbers[5]) > 0.001 ? 1 : 0;
     }
-    return turning > 500;
+    return with_torque > 500;
   })) << session.haptics.err();
   bridge.end();
   session.end();
@@ -78,8 +78,8 @@ TEST(DdsTorque, AWrenchIsTheForceAndTheTorqueOnTheMotors) {
   ASSERT_TRUE(exported && exported->exit_code == 0);
   const std::set<Numbers> written = read_written(process::read_text(session.scratch.path() / "table" / "session.csv"));
   // A cycle is recorded at its end: if a force came late, another force was on the motors before that in the same cycle.
-  const auto found = std::count_if(wrenches.begin(), wrenches.end(), [&](const Numbers& wrench) { return written.contains(wrench); });
-  EXPECT_GT(static_cast<double>(found), 0.95 * static_cast<double>(wrenches.size())) << "to the last bit";
+  const auto matching = std::count_if(wrenches.begin(), wrenches.end(), [&](const Numbers& wrench) { return written.contains(wrench); });
+  EXPECT_GT(static_cast<double>(matching), 0.95 * static_cast<double>(wrenches.size())) << "to the last bit";
 }
 
 }  // namespace
