@@ -30,7 +30,7 @@ void sleep_s(double seconds) {
   clock.sleep_until_ns(clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds));
 }
 
-// Runs `what` in a thread, with real-time scheduling if wanted and permitted. `what` must start no programs: they would inherit it.
+// Runs `what` in a thread, with real-time scheduling if requested and permitted. `what` must start no programs: they would inherit it.
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
     // Its priority is above all that it observes, so that even a real-time program that uses every CPU fully cannot delay it.
@@ -42,14 +42,15 @@ void observe(const std::function<void()>& what, bool in_realtime = true) {
 }
 
 // Whether the row may be broken or over its bound only because the machine stood still (the hypervisor ran no thread, observers included).
-// watch_ms: the longest stall that StallWatch saw. It, or the gap of the observers, must be at least as long as the excess over the bound.
+// watch_ms: the longest stall that StallWatch measured. It, or the gap of the observers, must be at least as long as the excess over the
+// bound.
 bool is_stalled(const Row& row, double watch_ms) {
   if (row.is_broken && watch_ms >= kStallMs) return true;
   return row.is_over && row.release_ms() - std::max(row.blind_ms, watch_ms) <= row.bound_ms;
 }
 
-// A thread of another name would never be attacked, and its row say nothing.
-void lacks_thread(Row& row, const std::string& thread) {
+// If the thread had another name, it would never be attacked, and the row would prove nothing.
+void mark_missing_thread(Row& row, const std::string& thread) {
   row.is_broken = true;
   row.note = "io_node has no thread " + thread;
 }
@@ -61,11 +62,11 @@ class List {
 
  private:
   bool has_patches() const { return settings_.touch == "patch"; }
-  bool is_wanted(const std::string& name) const { return settings_.only.empty() || name.find(settings_.only) != std::string::npos; }
+  bool is_selected(const std::string& name) const { return settings_.only.empty() || name.find(settings_.only) != std::string::npos; }
   // Starts a test bed and waits until a force is on the motors. Null if that fails; the row then says why.
   std::unique_ptr<TestBed> make_bed(Row& row);
   void finish(Row row);
-  static void alone(Row& row) {
+  static void mark_alone(Row& row) {
     row.kind = Kind::alone;
     row.bound_ms = kAloneMs;
   }
@@ -83,9 +84,9 @@ class List {
   void realtime_is_taken();
   void flood(const std::string& name, const std::string& kind, double rate_per_s, int sources, bool at_haptics = false);
 
-  // Makes a row. Returns for how long the machine stood still meanwhile, ms. kBusyRealtime takes the CPUs from StallWatch too, so for it
-  // only the stall while the bed was made counts, and that only if the row is broken; the rest is known by the gaps of the observers.
-  double made(const std::string& name, const std::function<void(const std::string&)>& make);
+  // Makes a row. Returns for how long the machine stood still meanwhile, ms. kBusyRealtime takes the CPUs from StallWatch too: for that
+  // row only the stall while the bed was made counts, and only if the row is broken; the gaps of the observers show later stalls.
+  double run_row(const std::string& name, const std::function<void(const std::string&)>& make);
 
   double seconds_since_begin() const { return 1e-9 * static_cast<double>(SteadyClock().now_ns() - begin_ns_); }
 
@@ -141,9 +142,9 @@ void List::note(Row& row, const MotorObserver::Watched& watched) {
 MotorObserver::Watched List::watch(TestBed& bed, double seconds) {
   MotorObserver::Watched ordinary;
   MotorObserver::Watched realtime;
-  std::thread beside([&] { observe([&] { ordinary = bed.observer().watch(seconds); }, false); });
+  std::thread ordinary_thread([&] { observe([&] { ordinary = bed.observer().watch(seconds); }, false); });
   observe([&] { realtime = bed.observer().watch(seconds); });
-  beside.join();
+  ordinary_thread.join();
   realtime.oldest_force_ms = std::max(realtime.oldest_force_ms, ordinary.oldest_force_ms);
   realtime.blind_ms = std::min(realtime.blind_ms, ordinary.blind_ms);
   return realtime;
@@ -151,7 +152,7 @@ MotorObserver::Watched List::watch(TestBed& bed, double seconds) {
 
 void List::haptics_dies(const std::string& name, int signal) {
   Row row{.name = name};
-  if (has_patches()) alone(row);
+  if (has_patches()) mark_alone(row);
   std::unique_ptr<TestBed> bed;
   for (int n = 0; n < settings_.repeat && !row.is_broken; ++n) {
     if (!bed && !(bed = make_bed(row))) break;
@@ -173,8 +174,8 @@ void List::haptics_dies(const std::string& name, int signal) {
 // Stops all these threads at the same time.
 void List::thread_hangs(const std::string& name, const std::vector<std::string>& threads, Kind kind) {
   Row row{.name = name, .kind = kind, .bound_ms = kind == Kind::inside ? kInsideMs : kOutsideMs};
-  // With patches the device side continues until it has not heard the haptics node for too long.
-  if (has_patches() && threads.front() == "hapton-network") alone(row);
+  // With patches the device side continues until the last message of the haptics node is too old.
+  if (has_patches() && threads.front() == "hapton-network") mark_alone(row);
   auto bed = make_bed(row);
   for (int n = 0; bed && n < settings_.repeat && !row.is_broken && !row.is_skipped; ++n) {
     if (!bed->observer().await_force(TestBed::kForceN, 30.0)) {
@@ -183,7 +184,7 @@ void List::thread_hangs(const std::string& name, const std::vector<std::string>&
       break;
     }
     for (const std::string& thread : threads) {
-      if (!find_thread(bed->io().pid(), thread)) lacks_thread(row, thread);
+      if (!find_thread(bed->io().pid(), thread)) mark_missing_thread(row, thread);
     }
     if (row.is_broken) break;
     observe([&] {
@@ -209,7 +210,7 @@ void List::thread_hangs(const std::string& name, const std::vector<std::string>&
 void List::hung_thread_does_not_stop_touch(const std::string& name, const std::string& thread) {
   Row row{.name = name};
   auto bed = make_bed(row);
-  if (bed && !thread.empty() && !find_thread(bed->io().pid(), thread)) lacks_thread(row, thread);
+  if (bed && !thread.empty() && !find_thread(bed->io().pid(), thread)) mark_missing_thread(row, thread);
   if (bed && !row.is_broken) {
     observe([&] {
       const StoppedThread stopped(thread.empty() ? bed->io().pid() : find_thread(bed->io().pid(), thread).value_or(0));
@@ -243,7 +244,7 @@ void List::watchdog_dies(const std::string& name, int signal) {
 void List::io_node_freezes() {
   Row row{.name = "io_node frozen (SIGSTOP), then continued", .kind = Kind::outside, .bound_ms = kOutsideMs};
   auto bed = make_bed(row);
-  double thawed_n = 0.0;
+  double after_continue_n = 0.0;
   for (int n = 0; bed && n < settings_.repeat && !row.is_broken; ++n) {
     if (!bed->observer().await_force(TestBed::kForceN, 30.0)) {
       row.is_broken = true;
@@ -255,12 +256,12 @@ void List::io_node_freezes() {
       sleep_s(0.2);
       ::kill(bed->io().pid(), SIGCONT);
       // The earlier force must not come back: the first 10 ms bring at most the beginning of a ramp.
-      thawed_n = std::max(thawed_n, bed->observer().watch(0.01).strongest_n);
+      after_continue_n = std::max(after_continue_n, bed->observer().watch(0.01).strongest_n);
     });
   }
   if (!row.is_broken) {
-    row.note = fmt::format("continued: at most {:.2f} N in the first 10 ms", thawed_n);
-    row.is_broken = thawed_n > 1.0;
+    row.note = fmt::format("continued: at most {:.2f} N in the first 10 ms", after_continue_n);
+    row.is_broken = after_continue_n > 1.0;
   }
   finish(row);
 }
@@ -309,11 +310,11 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   if (kind != "junk" && kind != "oversized") words.insert(words.end(), {"--capture", bed->capture()});
   if (kind == "spoofed") words.insert(words.end(), {"--spoof", bed->haptics_address()});
   const auto before = bed->request_report();
-  Program flooding("hapton_flood", words, bed->folder());
+  Program flood_program("hapton_flood", words, bed->folder());
   sleep_s(0.3);
   const auto watched = watch(*bed, settings_.flood_s);
   const auto after = bed->request_report();
-  const auto ended = flooding.wait(process::kPatience);
+  const auto ended = flood_program.wait(process::kPatience);
   note(row, watched);
   if (!ended || ended->exit_code != 0) {
     row.is_skipped = ended && ended->exit_code == 77;
@@ -321,13 +322,14 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
     row.note = ended ? ended->err.substr(0, ended->err.find('\n')) : "the flood does not end";
     return finish(row);
   }
-  const auto of = [&](const char* counted) { return counter(after, counted) - counter(before, counted); };
+  const auto counted_since = [&](const char* counted) { return counter(after, counted) - counter(before, counted); };
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
-  const double requested = of("forces_in_time") + of("late") + of("lost") + of("superseded");
-  const double late_share = requested > 0.0 ? (requested - of("forces_in_time")) / requested : 1.0;
-  row.note = fmt::format(
-      "{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the observations; {:.0f} k rejected or dropped",
-      1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share, 1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
+  const double requested = counted_since("forces_in_time") + counted_since("late") + counted_since("lost") + counted_since("superseded");
+  const double late_share = requested > 0.0 ? (requested - counted_since("forces_in_time")) / requested : 1.0;
+  row.note =
+      fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the observations; {:.0f} k rejected or dropped",
+                  1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
+                  1e-3 * (counted_since("unknown_peers") + counted_since("dropped_by_kernel")));
   if (!bed->io().is_running()) {
     row.is_broken = true;
     row.note = "io_node died; " + row.note;
@@ -340,7 +342,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   finish(row);
 }
 
-double List::made(const std::string& name, const std::function<void(const std::string&)>& make) {
+double List::run_row(const std::string& name, const std::function<void(const std::string&)>& make) {
   if (name == kBusyRealtime) {
     make(name);
     return rows_.back().is_broken ? bed_stall_ms_ : 0.0;
@@ -352,26 +354,26 @@ double List::made(const std::string& name, const std::function<void(const std::s
 
 std::vector<Row> List::run() {
   const auto row = [&](const std::string& name, const std::function<void(const std::string&)>& make) {
-    if (!is_wanted(name)) return;
+    if (!is_selected(name)) return;
     if (has_stalled_ && seconds_since_begin() > settings_.give_up_s) {
       rows_.push_back({.name = name, .is_skipped = true, .note = "not begun: this machine stands still too often"});
       return on_row_(rows_.back());
     }
-    int stalls = 0;
-    double least_ms = made(name, make);
-    for (double stall_ms = least_ms; is_stalled(rows_.back(), stall_ms); stall_ms = made(name, make)) {
+    int repetitions = 0;
+    double shortest_stall_ms = run_row(name, make);
+    for (double stall_ms = shortest_stall_ms; is_stalled(rows_.back(), stall_ms); stall_ms = run_row(name, make)) {
       has_stalled_ = true;
-      least_ms = std::min(least_ms, stall_ms);
-      if (stalls == kMaxStalls || seconds_since_begin() > settings_.give_up_s) break;
+      shortest_stall_ms = std::min(shortest_stall_ms, stall_ms);
+      if (repetitions == kMaxStalls || seconds_since_begin() > settings_.give_up_s) break;
       rows_.pop_back();
-      ++stalls;
+      ++repetitions;
     }
     Row& last = rows_.back();
-    if (stalls > 0) last.note += fmt::format(" (repeated {} times because the machine stalled)", stalls);
-    if (last.is_broken && is_stalled(last, least_ms)) {
+    if (repetitions > 0) last.note += fmt::format(" (repeated {} times because the machine stalled)", repetitions);
+    if (last.is_broken && is_stalled(last, shortest_stall_ms)) {
       last.is_broken = false;
       last.is_skipped = true;
-      last.note += fmt::format("; not judged: in each run the machine stood still for {:.0f} ms or more", least_ms);
+      last.note += fmt::format("; not judged: in each run the machine stood still for {:.0f} ms or more", shortest_stall_ms);
     }
     on_row_(last);
   };

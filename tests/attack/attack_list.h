@@ -10,12 +10,13 @@ namespace hapton::attack {
 // frozen or killed, it ends within kOutsideMs of that event.
 constexpr double kInsideMs = 21.0;
 constexpr double kOutsideMs = 50.0;
-// Forces from patches of the scene end at most this long after the haptics node was heard last.
+// Forces from patches of the scene end at most this long after the last message of the haptics node.
 constexpr double kAloneMs = 1000.0 + kInsideMs;
 // In a flood of up to kBearablePerS datagrams per second, at most the share kMaxLateShare of the forces may be late, lost or superseded.
 constexpr double kBearablePerS = 200'000.0;
 constexpr double kMaxLateShare = 0.01;
 
+// Of a fault: within a running io_node; of io_node as a whole; or of the haptics node, while io_node computes forces from patches alone.
 enum class Kind { inside, outside, alone };
 
 struct Settings {

@@ -63,8 +63,8 @@ RealtimeHog::RealtimeHog() {
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(cpu, &one);
-    const sched_param wanted = {.sched_priority = kPriority};
-    if (::sched_setaffinity(0, sizeof one, &one) != 0 || ::sched_setscheduler(0, SCHED_FIFO, &wanted) != 0) ::_exit(1);
+    const sched_param requested = {.sched_priority = kPriority};
+    if (::sched_setaffinity(0, sizeof one, &one) != 0 || ::sched_setscheduler(0, SCHED_FIFO, &requested) != 0) ::_exit(1);
     for (;;) {
       asm volatile("");
     }

@@ -28,7 +28,8 @@ std::optional<pid_t> find_thread(pid_t process, const std::string& name);
 // The child processes of the process.
 std::vector<pid_t> find_children(pid_t process);
 
-// A real-time program that has run wild: on each CPU a process that never sleeps, of lower priority than Hapton's real-time threads.
+// A real-time program that uses every CPU fully: on each CPU a process that never sleeps, of lower priority than Hapton's real-time
+// threads.
 class RealtimeHog {
  public:
   static constexpr int kPriority = 50;

@@ -37,6 +37,7 @@ struct Options {
 };
 
 using Datagram = std::vector<std::uint8_t>;
+constexpr std::uint8_t kRequestKind = 1, kDataKind = 4;  // seal::Kind::request, seal::Kind::data
 
 sockaddr_in v4_of(const Address& address) {
   sockaddr_in at = {};
@@ -56,9 +57,9 @@ bool is_private_v4(const Address& address) {
 // Relays between a node and the hub for a while, and records the node's datagrams, as an eavesdropper could.
 int capture(const Options& options, const Address& hub) {
   const auto listen = parse_address(options.listen);
-  auto inside = open_udp_endpoint(options.listen);
-  auto outside = open_udp_endpoint("127.0.0.1:0");
-  if (!listen || !inside || !outside) {
+  auto node_side = open_udp_endpoint(options.listen);
+  auto hub_side = open_udp_endpoint("127.0.0.1:0");
+  if (!listen || !node_side || !hub_side) {
     std::fprintf(stderr, "flood: cannot listen at %s\n", options.listen.c_str());
     return 1;
   }
@@ -66,27 +67,27 @@ int capture(const Options& options, const Address& hub) {
   std::ofstream file(options.capture, std::ios::binary);
   std::array<std::byte, kMaxDatagramBytes> bytes = {};
   Address node;
-  std::size_t kept = 0;
+  std::size_t captured_count = 0;
   const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * options.seconds);
-  while (clock.now_ns() < end_ns && kept < 64) {
-    if (const Received received = (*inside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond); received.bytes > 0) {
+  while (clock.now_ns() < end_ns && captured_count < 64) {
+    if (const Received received = (*node_side)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond); received.bytes > 0) {
       node = received.from;
       const auto size = static_cast<std::uint16_t>(received.bytes);
       file.write(reinterpret_cast<const char*>(&size), sizeof size);
       file.write(reinterpret_cast<const char*>(bytes.data()), size);
-      ++kept;
-      (*outside)->send(hub, std::span(bytes).first(received.bytes));
+      ++captured_count;
+      (*hub_side)->send(hub, std::span(bytes).first(received.bytes));
     }
-    if (const Received received = (*outside)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond);
+    if (const Received received = (*hub_side)->receive(bytes, clock.now_ns() + kNanosecondsPerMillisecond);
         received.bytes > 0 && node.port != 0) {
-      (*inside)->send(node, std::span(bytes).first(received.bytes));
+      (*node_side)->send(node, std::span(bytes).first(received.bytes));
     }
   }
-  std::printf("captured %zu datagrams\n", kept);
-  return kept > 0 && file ? 0 : 1;
+  std::printf("captured %zu datagrams\n", captured_count);
+  return captured_count > 0 && file ? 0 : 1;
 }
 
-// kind: the third byte of a sealed datagram, which tells its kind; 0: all datagrams.
+// kind: the third byte of a sealed datagram, which is its kind; 0: all datagrams.
 std::vector<Datagram> read_captured(const std::string& path, std::uint8_t kind) {
   std::vector<Datagram> captured;
   std::ifstream file(path, std::ios::binary);
@@ -99,8 +100,8 @@ std::vector<Datagram> read_captured(const std::string& path, std::uint8_t kind) 
 }
 
 std::vector<Datagram> make_load(const Options& options) {
-  if (options.kind == "handshake") return read_captured(options.capture, 1);
-  if (options.kind == "data") return read_captured(options.capture, 4);
+  if (options.kind == "handshake") return read_captured(options.capture, kRequestKind);
+  if (options.kind == "data") return read_captured(options.capture, kDataKind);
   std::mt19937_64 random(options.seed);
   std::vector<Datagram> load;
   for (int n = 0; n < 64; ++n) {
@@ -184,10 +185,10 @@ int flood_as_another(const Options& options, const Address& hub, const std::vect
   }
   const sockaddr_in to = v4_of(hub);
   std::vector<Datagram> packets = make_packets(load, v4_of(*from), to);
-  constexpr std::size_t kTogether = 32;
-  std::array<iovec, kTogether> parts = {};
-  std::array<mmsghdr, kTogether> messages = {};
-  for (std::size_t n = 0; n < kTogether; ++n) {
+  constexpr std::size_t kBatch = 32;
+  std::array<iovec, kBatch> parts = {};
+  std::array<mmsghdr, kBatch> messages = {};
+  for (std::size_t n = 0; n < kBatch; ++n) {
     Datagram& packet = packets[n % packets.size()];
     parts[n] = {packet.data(), packet.size()};
     messages[n].msg_hdr.msg_name = const_cast<sockaddr_in*>(&to);
@@ -204,7 +205,7 @@ int flood_as_another(const Options& options, const Address& hub, const std::vect
       clock.sleep_until_ns(now_ns + 50'000);
       continue;
     }
-    const int count = ::sendmmsg(socket, messages.data(), kTogether, MSG_DONTWAIT);
+    const int count = ::sendmmsg(socket, messages.data(), kBatch, MSG_DONTWAIT);
     sent += count > 0 ? static_cast<std::uint64_t>(count) : 0;
   }
   ::close(socket);
@@ -227,17 +228,17 @@ int flood(const Options& options, const Address& hub, const std::vector<Datagram
   const std::int64_t begin_ns = clock.now_ns();
   const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * options.seconds);
   std::uint64_t sent = 0;
-  std::uint64_t left_out = 0;
+  std::uint64_t skipped = 0;
   std::size_t next = 0;
   for (std::int64_t now_ns = begin_ns; now_ns < end_ns; now_ns = clock.now_ns()) {
     const auto due = static_cast<std::uint64_t>(1e-9 * static_cast<double>(now_ns - begin_ns) * options.rate_per_s);
-    if (due <= sent + left_out) {
+    if (due <= sent + skipped) {
       clock.sleep_until_ns(now_ns + 50'000);
       continue;
     }
-    // A sender that was kept from its CPU does not make up for it in one burst.
-    const auto most_behind = static_cast<std::uint64_t>(0.02 * options.rate_per_s) + 64;
-    if (due > sent + left_out + most_behind) left_out = due - sent - most_behind;
+    // A sender that did not get its CPU for a while does not make up for it in one burst.
+    const auto max_behind = static_cast<std::uint64_t>(0.02 * options.rate_per_s) + 64;
+    if (due > sent + skipped + max_behind) skipped = due - sent - max_behind;
     Burst& burst = bursts[next % bursts.size()];
     sent += send_burst(sockets[next % sockets.size()], to, burst) ? burst.count : 0;
     ++next;

@@ -13,7 +13,7 @@ using process::Program;
 
 constexpr double kPatienceS = 30.0;
 // LimitRTTIME of deploy/systemd/hapton-io.service.
-constexpr rlim_t kUnitsRealtimeUs = 500'000;
+constexpr rlim_t kUnitRealtimeLimitUs = 500'000;
 
 }  // namespace
 
@@ -30,8 +30,8 @@ TestBed::TestBed(const std::string& touch) : touch_(touch) {
   const std::string out = folder().string() + "/out";
   rlimit before = {};
   ::getrlimit(RLIMIT_RTTIME, &before);
-  const rlimit units = {.rlim_cur = std::min(kUnitsRealtimeUs, before.rlim_max), .rlim_max = before.rlim_max};
-  ::setrlimit(RLIMIT_RTTIME, &units);
+  const rlimit unit_limit = {.rlim_cur = std::min(kUnitRealtimeLimitUs, before.rlim_max), .rlim_max = before.rlim_max};
+  ::setrlimit(RLIMIT_RTTIME, &unit_limit);
   io_ = std::make_unique<Program>(
       "io_node", std::vector<std::string>{"--bind", hub_, "--device", "simulated", "--out", out, "--flight", "off", "--touch", touch},
       folder());
@@ -70,9 +70,9 @@ std::string TestBed::haptics_address() const {
 
 std::string TestBed::capture() {
   const std::string captured = (folder() / "captured").string();
-  const std::string between = "127.0.0.1:" + process::find_free_port();
-  Program listening("hapton_flood", {"--to", hub_, "--listen", between, "--capture", captured, "--seconds", "1"}, folder());
-  (void)process::run("hapton", {"set", "--hub", between, "--rate", "1000"}, folder(), process::Seconds(10));
+  const std::string relay_address = "127.0.0.1:" + process::find_free_port();
+  Program listening("hapton_flood", {"--to", hub_, "--listen", relay_address, "--capture", captured, "--seconds", "1"}, folder());
+  (void)process::run("hapton", {"set", "--hub", relay_address, "--rate", "1000"}, folder(), process::Seconds(10));
   const auto ended = listening.wait(process::kPatience);
   return ended && ended->exit_code == 0 ? captured : "";
 }

@@ -33,7 +33,7 @@ class TestBed {
   std::string haptics_address() const;
   // Records a handshake and data of a tool that holds the key, as an eavesdropper could. Returns the file; "": nothing was recorded.
   std::string capture();
-  // A report of io_node as of now; null when none comes.
+  // A report of io_node as of now; null: none came.
   nlohmann::json request_report();
 
  private:
