@@ -33,7 +33,7 @@ class Digest {
 
 constexpr std::uint64_t kSeed = 20261121;
 
-class Numbers {
+class RandomNumbers {
  public:
   double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   Vec3 vector(double size) { return {between(-size, size), between(-size, size), between(-size, size)}; }
@@ -42,13 +42,13 @@ class Numbers {
   std::mt19937_64 random_{kSeed};
 };
 
-TriangleMesh make_rough_torus(Numbers& numbers) {
+TriangleMesh make_rough_torus(RandomNumbers& numbers) {
   TriangleMesh mesh = make_torus(0.03, 0.012, 96, 48);
   for (Vec3& vertex : mesh.vertices) vertex += numbers.vector(1e-4);
   return mesh;
 }
 
-std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
+std::uint64_t digest_touch(const TouchGeometry& geometry, RandomNumbers& numbers) {
   Digest digest;
   for (std::uint32_t id = 0; id < geometry.triangle_count(); ++id) digest.add(std::uint64_t{geometry.is_walkable(id)});
   auto near = std::make_unique<NearTriangles>();
@@ -64,7 +64,7 @@ std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
   return digest.value();
 }
 
-std::uint64_t digest_hulls(const TriangleMesh& mesh, Numbers& numbers) {
+std::uint64_t digest_hulls(const TriangleMesh& mesh, RandomNumbers& numbers) {
   Digest digest;
   const auto tree = FdhTree<14>::build(mesh.vertices, mesh.triangles);
   if (!tree) return 0;
@@ -78,7 +78,7 @@ std::uint64_t digest_hulls(const TriangleMesh& mesh, Numbers& numbers) {
   return digest.value();
 }
 
-std::uint64_t digest_pairs(Numbers& numbers) {
+std::uint64_t digest_pairs(RandomNumbers& numbers) {
   Digest digest;
   for (int n = 0; n < 400; ++n) {
     std::array<TrianglePair, 8> pairs;
@@ -110,7 +110,7 @@ std::uint64_t digest_pairs(Numbers& numbers) {
 
 int main() {
   using namespace hapton;
-  Numbers numbers;
+  RandomNumbers numbers;
   const TriangleMesh mesh = make_rough_torus(numbers);
   const TouchGeometry geometry({&mesh});
   fmt::print("seed {}, touch {:016x}, hulls {:016x}, pairs {:016x}\n", kSeed, digest_touch(geometry, numbers), digest_hulls(mesh, numbers),

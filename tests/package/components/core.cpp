@@ -36,23 +36,23 @@ double stroke(const char* method_name) {
   if (!method) return std::fprintf(stderr, "%s\n", method.error().what.c_str()), -1.0;
   TouchStep touch(std::move(*method), scene);
   touch.reset({.p_WD = {0.0, 0.0, 0.09}});
-  double most_n = 0.0;
+  double largest_n = 0.0;
   for (int k = 0; k < 2000; ++k) {
     const double t = k / 2000.0;
     while (touch.share_method()->prepare()) {
     }
-    most_n = std::max(most_n, touch.step({.p_WD = {0.02 * t, 0.01 * t, 0.09 - 0.02 * t}}).force_n.norm());
+    largest_n = std::max(largest_n, touch.step({.p_WD = {0.02 * t, 0.01 * t, 0.09 - 0.02 * t}}).force_n.norm());
   }
-  return most_n;
+  return largest_n;
 }
 
 }  // namespace
 
 int main() {
   for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {
-    const double most_n = stroke(name);
-    std::printf("%s: at most %.3f N\n", name, most_n);
-    if (most_n < 0.0 || (!(most_n > 0.1) && std::string_view(name) == "proxy")) return 1;
+    const double largest_n = stroke(name);
+    std::printf("%s: at most %.3f N\n", name, largest_n);
+    if (largest_n < 0.0 || (!(largest_n > 0.1) && std::string_view(name) == "proxy")) return 1;
   }
   return 0;
 }
