@@ -39,17 +39,17 @@ class Mutant:
     context: str = ""  # if a number was changed: its line
 
     def code(self) -> str:
-        chosen = f"hapton_has_mutant({self.number})"
+        condition = f"hapton_has_mutant({self.number})"
         if self.operator == "statement deleted":
-            return f"if (!{chosen}) {self.original}"
+            return f"if (!{condition}) {self.original}"
         if self.operator == "compound assignment":
-            return f"if ({chosen}) {{ {self.mutated}; }} else {self.original}"
-        return f"({chosen} ? ({self.mutated}) : ({self.original}))"
+            return f"if ({condition}) {{ {self.mutated}; }} else {self.original}"
+        return f"({condition} ? ({self.mutated}) : ({self.original}))"
 
     def key(self) -> str:
         """Identifies the mutant, as long as its line of code does not change."""
-        where = f" in: {self.context}" if self.context else ""
-        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}{where}".replace("\n", " ")
+        suffix = f" in: {self.context}" if self.context else ""
+        return f"{self.path}: {self.original} -> {self.mutated or '(deleted)'}{suffix}".replace("\n", " ")
 
     def describe(self) -> str:
         return f"{self.path}:{self.line}: {self.operator}: {' '.join(self.original.split())} -> {' '.join(self.mutated.split()) or '(deleted)'}"

@@ -75,7 +75,7 @@ class TestRunner:
         self.serial = threading.Lock()
 
     def run(self, program: str, chosen: list[str], mutant: int, timeout_s: float, reached: Path | None = None) -> tuple[int | None, str]:
-        """Returns the exit code (None: the tests took too long) and the output."""
+        """Returns the exit code (None: the tests took too long) and the output. In the file `reached` the program marks mutants."""
         words = [str(self.folder / program), "--gtest_brief=1", f"--gtest_filter={':'.join(chosen)}"] + (["--gtest_fail_fast"] if mutant else [])
         environment = dict(os.environ, HAPTON_MUTANT=str(mutant))
         if reached is not None:
@@ -105,11 +105,11 @@ class TestRunner:
 
     def measure(self, programs: list[str]) -> list[Test]:
         """Runs the tests of those programs that were not measured yet. Returns the tests that fail without a mutant, which are left out."""
-        new = [program for program in programs if program not in self.measured]
+        unmeasured = [program for program in programs if program not in self.measured]
         with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(self.jobs) as pool:
-            todo = [(program, name) for program in new for name in self.list_tests(program)]
-            tests = list(pool.map(lambda at: self.measure_one(Path(folder) / str(at[0]), *at[1]), enumerate(todo)))
-        self.measured.update(new)
+            todo = [(program, name) for program in unmeasured for name in self.list_tests(program)]
+            tests = list(pool.map(lambda numbered: self.measure_one(Path(folder) / str(numbered[0]), *numbered[1]), enumerate(todo)))
+        self.measured.update(unmeasured)
         self.tests += tests
         return [test for test in tests if not test.passed]
 
