@@ -34,7 +34,7 @@ TEST(Integrators, WithFrictionTheExactMotionIsWhatFineStepsApproach) {
 }
 
 // The hand moves down at 0.2 m/s from 1 mm above the wall until it is 10 mm below, and is at rest there.
-TEST(Integrators, ThePressIsThatOfTheHeader) {
+TEST(Integrators, ThePressIsAsTheHeaderDescribes) {
   const IntegratorCase press{.device = find_device_preset("touch")->model,
                              .hand = *find_hand_preset("stylus"),
                              .period_ns = 2'000'000,
