@@ -58,11 +58,33 @@ TEST(SpaceStep, BeginsAnewAtAReset) {
 }
 
 TEST(SpaceStep, ASampleThatIsNotFiniteChangesNothing) {
-  const std::vector<SwitchedEffect> effects = {ViscousEffect{.damping_ns_per_m = 5.0}};
-  SpaceStep step(effects);
+  SpaceStep step(some_effects());
+  SpaceStep without_it(some_effects());
+  TouchInput input;
+  const auto take_bad_sample = [&] {
+    EXPECT_EQ(step.step({.p_WD = Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), .X_WS = input.X_WS}), Vec3::Zero());
+  };
+  for (int n = 0; n < 150; ++n) {
+    // One just before the scene turns, and one just after it has turned back, the first sample there.
+    if (n == 50) {
+      take_bad_sample();
+      input.X_WS = turned_scene();
+    }
+    if (n == 100) {
+      input.X_WS = Pose::Identity();
+      take_bad_sample();
+    }
+    input.p_WD = {0.001 * n, 0.01 * std::sin(0.05 * n), 0.05};
+    const Vec3 expected = without_it.step(input);
+    ASSERT_EQ(step.step(input), expected) << n;
+    ASSERT_GT(expected.norm(), 0.1);
+  }
+}
+
+TEST(SpaceStep, ATurnOfTheSceneIsNoVelocityOfAHandAtRest) {
+  SpaceStep step({ViscousEffect{.damping_ns_per_m = 5.0}});
   TouchInput input{.p_WD = {0.05, 0.001, 0.02}};
   for (int n = 0; n < 20; ++n) (void)step.step(input);
-  EXPECT_EQ(step.step({.p_WD = Vec3::Constant(std::numeric_limits<double>::quiet_NaN())}), Vec3::Zero());
   input.X_WS = turned_scene();
   for (int n = 0; n < 20; ++n) EXPECT_LT(step.step(input).norm(), 1e-9) << n;
 }
