@@ -42,7 +42,7 @@ TEST(EffectFrames, AreWhereTheObjectsAre) {
   commanded.translation() = Vec3(0, 0, 0.3);
   const AllocationGuard guard;
   const auto X_SF = frames.place({.time_s = 0.5, .commanded = {&commanded, 1}});
-  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
   ASSERT_EQ(X_SF.size(), 2U);
   EXPECT_LT((X_SF[0].translation() - Vec3(0.05, 0, 0)).norm(), 1e-15);
   EXPECT_EQ(X_SF[1].translation(), commanded.translation());

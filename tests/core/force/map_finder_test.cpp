@@ -64,7 +64,7 @@ TEST(MapFinder, UsesNoHeapAndTakesAnyPoint) {
   for (int n = 0; n < 100; ++n) (void)finder.find(0.001 * n * Vec3(1, 0.3, 0.1));
   EXPECT_EQ(finder.find(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())).height_m, 0.0);
   EXPECT_TRUE(std::isfinite(finder.find(Vec3::Constant(1e6)).height_m));
-  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
 }
 
 }  // namespace

@@ -152,6 +152,7 @@ TEST_P(MovingEffects, AtTheFirstPoseAreThoseOfAStaticObjectToTheBit) {
 }
 
 TEST_P(MovingEffects, UseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   for (const NamedEffects& effects : all_effects()) {
     TouchScene scene{.objects = {made_plate(effects)}};
     const auto motion = fast_motion();

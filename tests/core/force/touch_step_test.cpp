@@ -149,7 +149,7 @@ TEST(TouchStep, MapsAreFeltWithEveryMethodAndUseNoHeap) {
       (void)touch.step({.p_WD = p + Vec3(0, 0, 0.003)});
       worst_n = std::max(worst_n, (touch.step({.p_WD = p}).force_n - expected).norm());
     }
-    EXPECT_EQ(guard.count(), 0U) << method;
+    EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U) << method;
     EXPECT_LT(worst_n, 1e-4) << method;
   }
 }
@@ -249,7 +249,7 @@ TEST(TouchStep, FrictionOfMaterialsIsFeltWithEveryMethod) {
     EXPECT_LT((felt - Vec3(-1.0, 0, 2.0)).norm(), 1e-4) << method;
     for (int n = 11; n <= 100; ++n) felt = touch.step({.p_WD = {0.003 + 1e-4 * n, 0.004, -0.002}}).force_n;
     EXPECT_LT((felt - Vec3(-0.6, 0, 2.0)).norm(), 1e-4) << method;
-    EXPECT_EQ(allocations, 0U) << method;
+    EXPECT_TRUE(!AllocationGuard::is_available() || allocations == 0U) << method;
   }
 }
 
@@ -273,7 +273,7 @@ TEST(TouchStep, DampingAndFrictionCanBeGivenWhileAMethodWithoutThemRuns) {
     EXPECT_NEAR(slide(20).x(), 0.0, 1e-9) << method;
     const std::uint64_t before = guard.count();
     touch.set_materials(rough);
-    EXPECT_EQ(guard.count(), before) << method;
+    EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == before) << method;
     EXPECT_TRUE(touch.has_effects()) << method;
     EXPECT_NEAR(slide(40).x(), -0.5, 1e-4) << method;
     touch.set_materials(slippery);

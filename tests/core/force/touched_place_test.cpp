@@ -62,7 +62,7 @@ TEST(TouchedPlace, OfAnAffineDeformationIsWhatItsFormulaSays) {
       }
       ++places;
     }
-    EXPECT_EQ(guard.count(), 0U);
+    EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
     EXPECT_GT(places, 1000) << scale;
     EXPECT_FALSE(method->find_place(1));
   }

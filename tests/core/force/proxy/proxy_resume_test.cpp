@@ -93,7 +93,7 @@ TEST(ProxyResume, APartOfTheSceneGivesTheForceOfTheWhole) {
     if (n < 200) continue;
     worst_n = std::max(worst_n, (of_part->step(input).force_n - expected.force_n).norm());
   }
-  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
   EXPECT_LT(worst_n, 1e-6);
 }
 
