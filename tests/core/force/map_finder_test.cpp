@@ -32,7 +32,9 @@ TEST(MapFinder, FindsThePlaceOfTheNearestPoint) {
   const TriangleMesh torus = make_torus(0.035, 0.015, 60, 24);
   const SurfaceMaps maps = made_maps(torus);
   MapFinder finder(maps);
-  std::mt19937_64 random(2);
+  const std::uint64_t seed = 2;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int n = 0; n < 3000; ++n) {
     // Points on the surface, and points up to 2 mm off it along each axis, as the centre of a sphere is.

@@ -67,7 +67,9 @@ TEST(FrictionDrag, AcrossTheMotionItIsTheTractrix) {
 }
 
 TEST(FrictionDrag, IsTheLimitOfReturnMapping) {
-  std::mt19937_64 random(7);
+  const std::uint64_t seed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> share(0.0, 1.0);
   std::normal_distribution<double> normal;
   int sliding_trials = 0, sticking_trials = 0;

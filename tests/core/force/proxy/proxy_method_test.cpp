@@ -383,7 +383,9 @@ TEST(Proxy, FreeStepsAreSkipped) {
 // The device is free in front of a sheet, goes round its boundary in large steps, and back through it to a position known to be free.
 TEST(Proxy, ASheetIsNotCrossedToAPositionKnownToBeFree) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
-  std::mt19937 random(5);
+  const std::uint64_t seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
   std::uniform_real_distribution<double> inside(-0.03, 0.03);
   std::uniform_real_distribution<double> height(0.01, 0.2);
   std::uniform_real_distribution<double> round(0.06, 1.0);

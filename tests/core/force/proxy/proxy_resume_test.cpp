@@ -35,7 +35,9 @@ TEST(ProxyResume, ResumesOnTheSideThatTheProbeIsOn) {
     const TouchScene scene = scene_of(reversed_sheets(sheets));
     auto before = proxy_of(scene);
     auto after = proxy_of(scene);
-    std::mt19937_64 random(3);
+    const std::uint64_t seed = 3;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
     for (int n = 0; n < 500; ++n) {
       const Vec3 above(0.8 * kSheetHalfSide * unit(random), 0.8 * kSheetHalfSide * unit(random), 0.01);

@@ -212,7 +212,9 @@ TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   const auto made = ProxyMethod::make({}, scene);
   ASSERT_TRUE(made.has_value());
   auto& proxy = static_cast<ProxyMethod&>(**made);
-  std::mt19937_64 random(20261121);
+  const std::uint64_t seed = 20261121;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
     const bool to_corner = i % 4 == 0;

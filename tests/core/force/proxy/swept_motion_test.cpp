@@ -129,7 +129,9 @@ TEST(SweptMotion, TheFirstOfManySheetsHoldsIt) {
   TriangleMesh sheets;
   for (int n = 0; n < 5; ++n) sheets = joined(sheets, scaled_and_moved(make_plane_grid(1.0, 60), 1.0, Vec3(0.0, 0.0, -0.002 * n)));
   SweptStage stage(sheets);
-  std::mt19937_64 random(7);
+  const std::uint64_t seed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-0.45, 0.45);
   for (int i = 0; i < 60; ++i) {
     stage.put(Vec3(unit(random), unit(random), 0.02));

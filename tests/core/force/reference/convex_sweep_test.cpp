@@ -29,7 +29,9 @@ TEST(ConvexSweep, MissesWhatItPassesAndWhatItLeaves) {
 // The motion is sampled densely: before a hit the distance is nowhere below the limit, and at the hit it is the limit; without a hit it is
 // never below the limit.
 TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
-  std::mt19937_64 random(5);
+  const std::uint64_t seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   auto draw = [&] { return Vec3(symmetric(random), symmetric(random), symmetric(random)); };
   int hits = 0;
@@ -67,7 +69,9 @@ TEST(ConvexSweep, SlidesOverACoplanarEdge) {
 
 // From a start near the boundary, at the rest offset, nearly along the plane: the sphere must not pass through the triangle.
 TEST(ConvexSweep, NeverCrossesFromARandomStartAtTheRestOffset) {
-  std::mt19937_64 random(6);
+  const std::uint64_t seed = 6;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   const double rest_offset = 0x1p-32;
   for (int i = 0; i < 20000; ++i) {

@@ -41,7 +41,9 @@ void expect_optimal(const Vec3& goal, const std::vector<HalfSpace>& half_spaces,
 }
 
 TEST(HalfSpaceProjection, IsOptimalOnRandomFeasibleSets) {
-  Draw draw(3);
+  const std::uint64_t seed = 3;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Draw draw(seed);
   int counts[4] = {};
   for (int i = 0; i < 20000; ++i) {
     std::vector<HalfSpace> half_spaces;
@@ -56,7 +58,9 @@ TEST(HalfSpaceProjection, IsOptimalOnRandomFeasibleSets) {
 }
 
 TEST(HalfSpaceProjection, IsOptimalOnConesWithTheApexAtTheOrigin) {
-  Draw draw(4);
+  const std::uint64_t seed = 4;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  Draw draw(seed);
   for (int i = 0; i < 20000; ++i) {
     std::vector<HalfSpace> half_spaces;
     for (int k = 0; k < 1 + i % 8; ++k) half_spaces.push_back({draw.unit_vector(), 0.0});

@@ -10,7 +10,9 @@ namespace {
 TEST(ReferenceMethod, PlaneGivesTheExactDepth) {
   auto method = reference_over(make_plane_grid(0.1, 16));
   method->reset(Vec3(0.0, 0.0, 0.005));
-  std::mt19937_64 random(1);
+  const std::uint64_t seed = 1;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   Vec3 device(0.0, 0.0, 0.001);
   for (int i = 0; i < 2000; ++i) {
@@ -140,8 +142,10 @@ TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
 TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
   const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, 4);
   std::vector<Vec3> path;
+  const std::uint64_t seed = 10;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
   random_walk(
-      10, 300,
+      seed, 300,
       [](double u, double v) {
         return Vec3(0.47 * Vec3(std::cos(20 * u) * std::cos(20 * v), std::sin(20 * u) * std::cos(20 * v), std::sin(20 * v)));
       },
@@ -176,7 +180,9 @@ TEST(ReferenceMethod, PrefilterChangesNothingToTheBit) {
     const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.25, 1000, 5);
     auto with_prefilter = reference_over(mesh, probe, {}, true);
     auto without_prefilter = reference_over(mesh, probe, {}, false);
-    std::mt19937_64 random(12);
+    const std::uint64_t seed = 12;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     Vec3 device(0.07, 0.0, 0.0);
     with_prefilter->reset(device);

@@ -33,6 +33,7 @@ inline std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double
 // A random walk of the device over a surface: seeded, about 0.1 mm a step. visit(position, step) is called in each step.
 template <class Visit>
 inline void random_walk(std::uint64_t seed, int steps, const std::function<Vec3(double, double)>& surface, Visit visit) {
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   double u = 0.3, v = 0.7;

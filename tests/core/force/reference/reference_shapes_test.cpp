@@ -10,7 +10,9 @@ TEST(ReferenceMethod, RoomCornersAreExactProjections) {
   for (double probe : {0.0, 0.002}) {
     auto method = reference_over(make_box(Vec3::Constant(0.1), 5), probe);
     method->reset(Vec3::Zero());
-    std::mt19937_64 random(2);
+    const std::uint64_t seed = 2;
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
     Vec3 last_force = Vec3::Zero(), last_device = Vec3::Zero();
     for (int i = 0; i < 1500; ++i) {

@@ -32,7 +32,9 @@ constexpr double kPointToleranceM = 0.1 * kClayVoxelM;
 TEST(FieldBall, RestsOnABallOfMaterialWhereItIsNearestToTheDevice) {
   const CarvedField field = field_of(make_icosphere(kClayRadiusM, 5));
   const FieldBall ball(kToolRadiusM, kClayVoxelM);
-  std::mt19937_64 random(31);
+  const std::uint64_t seed = 31;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   for (int i = 0; i < 200; ++i) {
     const Vec3 out = any_direction(random);
     const Vec3 goal = (kClayRadiusM + 0.0035) * out;
@@ -76,7 +78,9 @@ TEST(FieldBall, IsFreeWhereThereIsNoMaterial) {
 
 // Two carves leave a wall of 0.3 to 1.5 voxels; the device passes through it in one step or in several.
 TEST(FieldBall, DoesNotPassAThinWallHoweverFast) {
-  std::mt19937_64 random(33);
+  const std::uint64_t seed = 33;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> wall(0.3, 1.5), place(-0.3, 0.3), along(-0.004, 0.004);
   for (int i = 0; i < 60; ++i) {
     CarvedField field = field_of(make_box(Vec3(0.05, 0.05, 0.05)));
@@ -102,7 +106,9 @@ TEST(FieldBall, DoesNotPassAThinWallHoweverFast) {
 // While the device stands still, the ball comes to rest.
 TEST(FieldBall, SettlesInAPit) {
   CarvedField field = field_of(make_box(Vec3(0.06, 0.06, 0.03)));
-  std::mt19937_64 random(34);
+  const std::uint64_t seed = 34;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> place(-0.008, 0.008);
   for (int i = 0; i < 40; ++i) field.carve({{place(random), place(random), 0.016}, {place(random), place(random), 0.014}, 0.006});
   const FieldBall ball(kToolRadiusM, kClayVoxelM);

@@ -121,6 +121,7 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
   const auto triangles = one_sided_set_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
       << "degenerate triangles are not in the transcription";
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int positions_with_several_vcps = 0;

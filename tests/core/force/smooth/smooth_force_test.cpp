@@ -35,7 +35,9 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b
 // Over a plane the force is known, over faces, edges and vertices alike: straight up, k (layer - height).
 TEST(SmoothForce, OverAPlaneIsExact) {
   const auto triangles = set_of(make_plane_grid(0.1, 10));
-  std::mt19937_64 random(81);
+  const std::uint64_t seed = 81;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-0.04, 0.04);
   for (int i = 0; i < 2000; ++i) {
     Vec3 P(unit(random), unit(random), 1e-5 + 0.004 * (i % 7) / 7.0);
@@ -177,7 +179,9 @@ TEST(SmoothForce, TheStrongestVcpGivesTheMagnitude) {
 
 TEST(SmoothForce, DoesNotDependOnTheOrder) {
   auto triangles = set_of(make_staircase(0.05, 4, 3));
-  std::mt19937_64 random(82);
+  const std::uint64_t seed = 82;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-0.03, 0.03);
   for (int i = 0; i < 200; ++i) {
     const Vec3 P(unit(random), unit(random), unit(random));
@@ -210,7 +214,9 @@ TEST(SmoothNormal, OnEdgesAndAtVerticesItIsTheInterpolatedNormal) {
 
 // A line through any point of a closed surface, also exactly through a vertex or an edge, meets a triangle there.
 TEST(StraightLine, IsWatertight) {
-  std::mt19937_64 random(83);
+  const std::uint64_t seed = 83;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const TriangleMesh mesh = made::sphere(0.05, 12, 0.1);
   for (int i = 0; i < 20000; ++i) {

@@ -26,7 +26,9 @@ TouchScene two_objects() {
 }
 
 TEST(SmoothScene, SelectsTheNearestAndKnowsHowFarTheyAreComplete) {
-  std::mt19937_64 random(71);
+  const std::uint64_t seed = 71;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-0.12, 0.12);
   for (const int directions : {6, 14, 18, 26}) {
     const auto scene = SmoothScene::build(two_objects(), {.surface = {}, .directions = directions});

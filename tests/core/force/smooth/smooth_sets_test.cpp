@@ -188,7 +188,9 @@ TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
   const auto at = [](double t) { return Vec3(0.0485 * std::cos(t), 0.0485 * std::sin(t), 0.003 * std::sin(3.0 * t)); };
   steady->reset(Vec3(0.06, 0, 0));
   changing->reset(Vec3(0.06, 0, 0));
-  std::mt19937_64 random(99);
+  const std::uint64_t seed = 99;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   Vec3 last = Vec3::Zero();
   for (int i = 0; i < 1000; ++i) {
     const double t = 0.003 * i;

@@ -35,7 +35,9 @@ class UnderAPlate : public testing::TestWithParam<Notch> {};
 // centre. The point goes down the line where the walls meet.
 TEST_P(UnderAPlate, APointLeavesANotchDownwards) {
   const Notch& notch = GetParam();
-  std::mt19937_64 random(1);
+  const std::uint64_t seed = 1;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 6; ++i) {
     const Eigen::Quaterniond turn = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
@@ -65,7 +67,9 @@ INSTANTIATE_TEST_SUITE_P(Gaps, UnderAPlate,
 // Two sheets meet in a corner at a small angle and end at y = 0. A point is between them, and its device exactly in the plane y = 0, in
 // front of the corner: over the sheets the point is at a minimum, but beyond their boundary the slit is wider.
 TEST(APointInASlit, LeavesItOverTheBoundaryThatItIsAt) {
-  std::mt19937_64 random(5);
+  const std::uint64_t seed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   for (const double gap : {3e-7, 1e-6, 1e-5}) {
     for (int i = 0; i < 4; ++i) {

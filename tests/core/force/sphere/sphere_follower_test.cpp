@@ -359,7 +359,9 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
 // Each call replaces the far device by another, nearer target, so the distance to the target does not show the progress between calls.
 TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
   constexpr int kWorkPerCall = 40;  // units
-  std::mt19937_64 random(29);
+  const std::uint64_t seed = 29;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   int exhausted_calls = 0;
   for (int i = 0; i < 60; ++i) {

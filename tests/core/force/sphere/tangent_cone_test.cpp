@@ -277,7 +277,9 @@ TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
 
 // A closed fan with an uneven rim separates the directions into two regions. The twin: seen from the apex, the rim is a polygon around z.
 TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
-  std::mt19937_64 random(7);
+  const std::uint64_t seed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   int inside = 0;
   int outside = 0;
