@@ -46,7 +46,6 @@ struct TwinScenes {
       one.objects.push_back({.mesh = made::shared(std::move(mesh)), .material = material, .motion = motion_for(1.0)});
     }
     several = one;
-    several.part_of = one.part_of;
     for (int i = 0; i < count; ++i) several.objects[static_cast<std::size_t>(i)].motion = motion_for(1.0 + i);
   }
 

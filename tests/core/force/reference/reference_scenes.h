@@ -53,7 +53,6 @@ struct CurvedShape {
   std::function<Vec3(const Vec3&)> nearest;  // on the analytic surface
   double sagitta_m;                          // the farthest the mesh is from the surface
   double tilt_rad;                           // the farthest a face's normal is from the surface's
-  double least_radius_m;                     // least radius of curvature at the device's depth: with it a tilt moves the closest point
 };
 
 inline void expect_close_to_analytic(const CurvedShape& shape, double probe) {
@@ -100,8 +99,7 @@ inline CurvedShape make_sphere_case() {
           [=](double u, double v) { return Vec3((r - 0.001) * Vec3(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v))); },
           [=](const Vec3& p) { return Vec3(r * p.normalized()); },
           r - std::sqrt(r * r - reach * reach),
-          std::asin(reach / r),
-          r - 0.001};
+          std::asin(reach / r)};
 }
 
 inline CurvedShape make_cylinder_case() {
@@ -115,8 +113,7 @@ inline CurvedShape make_cylinder_case() {
             return Vec3(p.x() * r / across, p.y() * r / across, p.z());
           },
           r * (1.0 - std::cos(std::numbers::pi / sides)),
-          std::numbers::pi / sides,
-          r - 0.001};
+          std::numbers::pi / sides};
 }
 
 inline CurvedShape make_torus_case() {
@@ -135,8 +132,7 @@ inline CurvedShape make_torus_case() {
             return Vec3(core + tube * (p - core).normalized());
           },
           (ring + tube) * (1.0 - std::cos(step_ring)) + tube * (1.0 - std::cos(step_tube)),
-          1.5 * (step_tube + step_ring),
-          tube - 0.001};
+          1.5 * (step_tube + step_ring)};
 }
 
 // ---- The limit of ever finer sub-steps. ----

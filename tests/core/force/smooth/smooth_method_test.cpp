@@ -119,7 +119,6 @@ TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
     const double from = 0.053;
     method->reset(-from * inward);
     double last_n = 0.0;
-    Vec3 last_P = -from * inward;
     bool has_begun = false;
     constexpr double kStep = 2e-6;
     for (double travelled = kStep; travelled < from - 0.03; travelled += kStep) {
@@ -131,7 +130,6 @@ TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
         EXPECT_GT(force, 0.0);
       }
       last_n = force;
-      last_P = P;
     }
     EXPECT_GT(last_n, 1000.0 * method->radius_m());
     EXPECT_EQ(method->counters().entries, 1U);

@@ -186,7 +186,7 @@ TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
                                     {apex, Vec3(left + up), Vec3(apex + up)}});
   ASSERT_TRUE(cone.find_boundary(Vec3(0.707113, 0.707101, 0.0).normalized()));
   EXPECT_LE(cone.boundary().size(), 10U);
-  double edges = 0;
+  int edges = 0;
   for (const TangentCone::Piece& piece : cone.boundary()) edges += std::fabs(piece.opening - kPi) > 1e-6 ? 1 : 0;
   EXPECT_EQ(edges, 3);
 }
