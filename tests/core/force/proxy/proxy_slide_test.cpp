@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/force/evaluation/force_error.h"
 #include "core/force/proxy/proxy_method.h"
 #include "core/force/reference/reference_method.h"
+#include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_scene.h"
 
@@ -106,6 +109,56 @@ TEST(ProxySlide, WithFrictionTheForceIsThatOfTheReference) {
     sum_of_squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
   }
   EXPECT_LE(std::sqrt(sum_of_squares / static_cast<double>(contacts)), 0.02);
+}
+
+// By how much, N, the pull of the device along the surface exceeds what friction holds: negative within the cone, -infinity if the proxy is
+// at no triangle. On each triangle at the proxy, the pull is the force's projection on the directions that lead onto the triangle, by brute
+// force.
+double force_out_of_cone(const TriangleMesh& mesh, const MethodOutput& felt, double mu, double reach_m) {
+  constexpr double kMetresPerNewton = 1e-6;  // a thousandth of the depth, so that each projection is within a triangle or at its edge
+  double most_n = -std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = mesh.corner(t, 0);
+    const Vec3 b = mesh.corner(t, 1);
+    const Vec3 c = mesh.corner(t, 2);
+    if (((a.cwiseMin(b).cwiseMin(c) - felt.p_SP).array() > reach_m).any()) continue;
+    if (((felt.p_SP - a.cwiseMax(b).cwiseMax(c)).array() > reach_m).any()) continue;
+    const ClosestPoint here = closest_point(a, b, c, felt.p_SP);
+    if (here.distance > reach_m) continue;
+    const ClosestPoint pulled = closest_point(a, b, c, here.point - kMetresPerNewton * felt.force_n);
+    const Vec3 pull_n = (pulled.point - here.point) / kMetresPerNewton;
+    most_n = std::max(most_n, pull_n.norm() - mu * (felt.force_n + pull_n).norm());
+  }
+  return most_n;
+}
+
+// The device turns back now and then, so that the proxy sticks there until static friction no longer holds it.
+TEST(ProxySlide, NoForceIsOutsideItsFrictionCone) {
+  const TriangleMesh bumps = make_bumpy_sphere(0.05, 0.08, 20000, 12);
+  const std::vector<Vec3> path = slide_path(1500);
+  for (const auto& [static_mu, dynamic_mu] : {std::pair(0.5, 0.4), std::pair(0.8, 0.2), std::pair(0.3, 0.3)}) {
+    SCOPED_TRACE(testing::Message() << "friction " << static_mu << ", " << dynamic_mu);
+    const Material rough = {.friction_static = static_mu, .friction_dynamic = dynamic_mu};
+    const auto proxy = point_over(scene_of(bumps, rough));
+    // The proxy is one contact offset off the surface, which the force leaves out: pull and normal force are off by at most that.
+    const double offset_m = 0x1p-30 * proxy->geometry().unit_m();
+    const double tolerance_n = rough.stiffness_n_per_m * offset_m * (1.0 + static_mu);
+    int sticking_steps = 0;
+    int sliding_steps = 0;
+    proxy->reset(path[0]);
+    std::size_t at = 0;
+    for (int i = 0; at < path.size(); ++i, at += i % 120 < 100 ? 1 : -1) {
+      const MethodOutput felt = proxy->step({.p_SD = path[at]});
+      if (!felt.contact) continue;
+      const bool slides = proxy->is_sliding();
+      (slides ? sliding_steps : sticking_steps) += 1;
+      const double out_n = force_out_of_cone(bumps, felt, slides ? dynamic_mu : static_mu, 2.0 * offset_m);
+      ASSERT_TRUE(std::isfinite(out_n)) << "step " << i;
+      ASSERT_LE(out_n, tolerance_n) << "step " << i;
+    }
+    EXPECT_GT(sticking_steps, 100);
+    EXPECT_GT(sliding_steps, 500);
+  }
 }
 
 // Vertices are numbered per object: a triangle with the same vertex numbers may be another object's.
@@ -239,13 +292,16 @@ FinnedSlide slide_over_fins(const TriangleMesh& sheet, double y) {
   const auto device = [&](double x, double z) { return Vec3(x, y, z); };
   proxy.reset(device(-0.04, 0.002));
   for (int i = 0; i <= 30; ++i) proxy.step({.p_SD = device(-0.04, 0.002 - 0.0001 * i)});
+  // One contact offset, in the pull or in the depth of 1 mm.
+  const double tolerance = 0x1p-30 * proxy.geometry().unit_m() / 0.001 * (1.0 + kStaticCone);
   FinnedSlide slide;
   for (int i = 0; i <= 800; ++i) {
     const double x = -0.04 + 0.0001 * i;
     const MethodOutput felt = proxy.step({.p_SD = device(x, -0.001)});
     EXPECT_TRUE(felt.contact) << "at x = " << x;
-    if (x < -0.03) continue;
     const double ratio = std::abs(felt.force_n.x()) / std::hypot(felt.force_n.y(), felt.force_n.z());
+    EXPECT_LE(ratio, (proxy.is_sliding() ? kDynamicCone : kStaticCone) + tolerance) << "at x = " << x;
+    if (x < -0.03) continue;
     slide.least_ratio = std::min(slide.least_ratio, ratio);
     slide.most_ratio = std::max(slide.most_ratio, ratio);
     (std::abs(x) < 0.005 ? slide.unwalkable_steps : slide.walkable_steps) += 1;
