@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-double between(std::mt19937_64& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
+double drawn_between(std::mt19937_64& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
 
 Vec3 normal_vector(std::mt19937_64& random, double size) {
   std::normal_distribution<double> normal(0.0, size);
@@ -35,9 +35,9 @@ struct TwinScenes {
           false);
     };
     for (int i = 0; i < count; ++i) {
-      const Vec3 half(between(random, 0.006, 0.015), between(random, 0.006, 0.015), between(random, 0.006, 0.015));
-      TriangleMesh mesh = between(random, 0.0, 1.0) < 0.6 ? made::box(-half, half) : made::sphere(half.x(), 10);
-      const Mat3 turned = Eigen::AngleAxisd(between(random, 0.0, 3.0), normal_vector(random, 1.0).normalized()).toRotationMatrix();
+      const Vec3 half(drawn_between(random, 0.006, 0.015), drawn_between(random, 0.006, 0.015), drawn_between(random, 0.006, 0.015));
+      TriangleMesh mesh = drawn_between(random, 0.0, 1.0) < 0.6 ? made::box(-half, half) : made::sphere(half.x(), 10);
+      const Mat3 turned = Eigen::AngleAxisd(drawn_between(random, 0.0, 3.0), normal_vector(random, 1.0).normalized()).toRotationMatrix();
       const Vec3 centre = normal_vector(random, 0.007);
       for (Vec3& vertex : mesh.vertices) {
         vertex = scale * (turned * vertex + centre);

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRadius = 1e-6;
+constexpr double kEdgeSphereRadius = 1e-6;
 constexpr double kContactOffset = 1e-7;
 
 // Two strips that meet along the y axis; each rises by `slope` away from it.
@@ -33,49 +33,49 @@ const Vec3 kAboveEdge(0.0, 0.2, kContactOffset);
 const Vec3 kInCorner = Vec3::Constant(kContactOffset);
 
 TEST(CertainMinimum, AConcaveEdgeHoldsAProxyPulledStraightIntoIt) {
-  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
-  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.1, 0.2, -0.5}, kRadius));
+  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
+  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.1, 0.2, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, AConcaveEdgeDoesNotHoldAProxyPulledAlongIt) {
-  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.3, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.3, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, AConcaveEdgeDoesNotHoldAProxyPulledUpOneSide) {
-  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.3, 0.2, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.3, 0.2, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, ABalancedConvexEdgeIsNoMinimum) {
-  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-0.3), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
-  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-1e-9), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-0.3), kAboveEdge, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-1e-9), kAboveEdge, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, ACornerOfThreeWallsHolds) {
-  EXPECT_TRUE(is_certain_minimum(make_corner(), kInCorner, {-0.1, -0.2, -0.3}, kRadius));
-  EXPECT_FALSE(is_certain_minimum(make_corner(), kInCorner, {0.1, -0.2, -0.3}, kRadius));
+  EXPECT_TRUE(is_certain_minimum(make_corner(), kInCorner, {-0.1, -0.2, -0.3}, kEdgeSphereRadius));
+  EXPECT_FALSE(is_certain_minimum(make_corner(), kInCorner, {0.1, -0.2, -0.3}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, AnOpenBoundaryWithinTheRadiusProvesNothing) {
   TriangleMesh mesh = make_corner();
   mesh.triangles.pop_back();
-  EXPECT_FALSE(is_certain_minimum(mesh, kInCorner, {-0.1, -0.2, -0.3}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, kInCorner, {-0.1, -0.2, -0.3}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, ThreeFacesAtOneEdgeProveNothing) {
   TriangleMesh mesh = make_concave_edge(0.3);
   mesh.vertices.push_back({0, 0, -1});
   mesh.triangles.push_back({0, 1, 4});
-  EXPECT_FALSE(is_certain_minimum(mesh, kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, kAboveEdge, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, TheMiddleOfAFaceHoldsOnlyWhatIsStraightBelow) {
   const TriangleMesh mesh = make_corner();
-  EXPECT_TRUE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.3, 0.3, -0.2}, kRadius));
-  EXPECT_FALSE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.31, 0.3, -0.2}, kRadius));
+  EXPECT_TRUE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.3, 0.3, -0.2}, kEdgeSphereRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.31, 0.3, -0.2}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, FarFromEverythingNothingHolds) {
-  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), {0.0, 0.2, 0.5}, {0.0, 0.2, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), {0.0, 0.2, 0.5}, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, ASaddleIsNotProvedByItsConcaveEdges) {
@@ -83,7 +83,7 @@ TEST(CertainMinimum, ASaddleIsNotProvedByItsConcaveEdges) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, -0.3}, {-1, 0, 0.3}, {0, -1, -0.3}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
-  EXPECT_FALSE(is_certain_minimum(mesh, {0.0, 0.0, kContactOffset}, {0.0, 0.0, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.0, 0.0, kContactOffset}, {0.0, 0.0, -0.5}, kEdgeSphereRadius));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kStiffness = 1000.0;
+constexpr double kComparedStiffness = 1000.0;
 
 // The device slides 0.1 mm a step, 1 mm below a plane; the proxy is above it on the plane.
 std::vector<ForceSample> slide(std::size_t n) {
@@ -17,14 +17,14 @@ std::vector<ForceSample> slide(std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
     steps[i].device = Vec3(1e-4 * static_cast<double>(i), 0.0, -1e-3);
     steps[i].proxy = Vec3(1e-4 * static_cast<double>(i), 0.0, 0.0);
-    steps[i].force_n = kStiffness * (steps[i].proxy - steps[i].device);
+    steps[i].force_n = kComparedStiffness * (steps[i].proxy - steps[i].device);
   }
   return steps;
 }
 
 void put_proxy(ForceSample& step, const Vec3& proxy) {
   step.proxy = proxy;
-  step.force_n = kStiffness * (proxy - step.device);
+  step.force_n = kComparedStiffness * (proxy - step.device);
 }
 
 TEST(ForceError, IsZeroWhenAllStepsAgree) {

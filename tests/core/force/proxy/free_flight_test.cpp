@@ -11,8 +11,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 0x1p-30;
-constexpr Clearance kClearance{.offset = kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+constexpr double kFlightOffset = 0x1p-30;
+constexpr Clearance kClearance{.offset = kFlightOffset, .slop = 0.5 * kFlightOffset, .tolerance = 0x1p-10 * kFlightOffset};
 
 struct FlightStage {
   explicit FlightStage(const TriangleMesh& mesh, const Material& material = {})
@@ -103,10 +103,10 @@ TEST(FreeFlight, APointTooNearIsMovedOffOnItsOwnSide) {
   const Vec3 beside = stage.geometry.to_local(Vec3(0.05, 0.012, 0.013));
   for (const double side : {1.0, -1.0}) {
     Vec3 p = beside;
-    p.x() = face + side * 0.25 * kOffset;
-    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset);
-    EXPECT_NEAR(off.x() - face, side * kOffset, 1e-3 * kOffset);
-    EXPECT_EQ(stage.flight.clear_of_surfaces(p, 0.25 * kOffset), p);  // this limit is shorter than the way to the offset
+    p.x() = face + side * 0.25 * kFlightOffset;
+    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kFlightOffset);
+    EXPECT_NEAR(off.x() - face, side * kFlightOffset, 1e-3 * kFlightOffset);
+    EXPECT_EQ(stage.flight.clear_of_surfaces(p, 0.25 * kFlightOffset), p);  // this limit is shorter than the way to the offset
   }
   const Vec3 far = stage.geometry.to_local(Vec3(0.06, 0.012, 0.013));
   EXPECT_EQ(stage.flight.clear_of_surfaces(far, 1.0), far);
@@ -117,20 +117,20 @@ TEST(FreeFlight, APointExactlyOnAnEdgeOrACornerIsMovedOffTheFacesThere) {
   const double face = stage.geometry.to_local(Vec3(0.0625, 0.0, 0.0)).x();
   for (const int other_faces : {0, 1, 2}) {  // along how many axes, besides x, the point is at a face of the box
     const Vec3 p(face, other_faces >= 1 ? -face : 0.0101 * face, other_faces >= 2 ? face : 0.0203 * face);
-    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kOffset) - p;
+    const Vec3 off = stage.flight.clear_of_surfaces(p, 16.0 * kFlightOffset) - p;
     for (int axis = 0; axis <= other_faces; ++axis)
-      EXPECT_NEAR(std::fabs(off[axis]), kOffset, 1e-3 * kOffset) << "other faces " << other_faces;
-    for (int axis = other_faces + 1; axis < 3; ++axis) EXPECT_NEAR(off[axis], 0.0, 1e-3 * kOffset) << "other faces " << other_faces;
+      EXPECT_NEAR(std::fabs(off[axis]), kFlightOffset, 1e-3 * kFlightOffset) << "other faces " << other_faces;
+    for (int axis = other_faces + 1; axis < 3; ++axis) EXPECT_NEAR(off[axis], 0.0, 1e-3 * kFlightOffset) << "other faces " << other_faces;
   }
 }
 
 TEST(FreeFlight, APointOnASurfaceTakesTheOuterSide) {
   FlightStage stage(make_box(Vec3::Constant(0.1), 2));
   for (const Vec3& p_S : {Vec3(0.05, 0.012, 0.013), Vec3(0.05, 0.05, 0.013), Vec3(0.05, 0.05, -0.05), Vec3(0.05, 0.0, 0.0)}) {
-    const Vec3 off = stage.flight.off_surface(stage.geometry.to_local(p_S), kOffset);
+    const Vec3 off = stage.flight.off_surface(stage.geometry.to_local(p_S), kFlightOffset);
     EXPECT_GT(stage.geometry.to_scene(off).cwiseAbs().maxCoeff(), 0.05) << p_S.transpose();
     for (std::uint32_t t = 0; t < stage.geometry.triangle_count(); ++t) {
-      EXPECT_GE(stage.geometry.separation(t, off).distance, kOffset) << p_S.transpose();
+      EXPECT_GE(stage.geometry.separation(t, off).distance, kFlightOffset) << p_S.transpose();
     }
   }
 }

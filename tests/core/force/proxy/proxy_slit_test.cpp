@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kRadius = 0.004;
+constexpr double kSlitProbeRadius = 0.004;
 constexpr double kGap = 0.005;  // of the slit, x = 0 to kGap
 constexpr double kEnd = -0.03;  // of its closed end, z
 constexpr double kMouth = 0.0;  // z
@@ -34,7 +34,7 @@ class NarrowSlit : public ::testing::TestWithParam<unsigned> {
     turn_ = Eigen::Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().toRotationMatrix();
     for (Vec3& vertex : mesh.vertices) vertex = turn_ * vertex;
     mesh_ = made::shared(mesh);
-    method_ = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{mesh_, {}}}}).value();
+    method_ = make_method({.name = "proxy", .probe_radius_m = kSlitProbeRadius}, {.objects = {{mesh_, {}}}}).value();
     RecordProperty("seed", std::to_string(GetParam()));
   }
   void reset(const Vec3& device) { method_->reset(turn_ * device); }
@@ -76,7 +76,7 @@ TEST_P(NarrowSlit, TheSphereFollowsAlongItAndLeavesAtTheMouth) {
   for (int i = 1; i <= 100; ++i) (void)step(device + Vec3(0.0, 0.0, 0.0003 * i));
   EXPECT_FALSE(output_.contact) << "it has left";
   const Vec3 on_block = step({-0.01, 0.0, -0.002});
-  EXPECT_NEAR(on_block.z(), kRadius, 1e-9) << "its whole radius counts again";
+  EXPECT_NEAR(on_block.z(), kSlitProbeRadius, 1e-9) << "its whole radius counts again";
 }
 
 TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
@@ -120,7 +120,7 @@ TEST_P(OnASurface, TheSphereIsNotHeldOnEdgesAndVertices) {
   TriangleMesh mesh = make_icosphere(0.05, 1);
   for (Vec3& vertex : mesh.vertices) vertex *= 1.0 + 0.2 * uniform(random);
   const auto shared = made::shared(mesh);
-  const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{shared, {}}}}).value();
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kSlitProbeRadius}, {.objects = {{shared, {}}}}).value();
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const double along : {0.0, 0.25, 0.5}) {
       const Vec3 start = (1.0 - along) * mesh.corner(i, 0) + along * mesh.corner(i, 1);
@@ -141,8 +141,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, OnASurface, testing::Values(1U, 2U));
 // A tube along z that is narrower than the sphere, open at both ends, of many small triangles.
 class FineTube : public ::testing::TestWithParam<unsigned> {
  protected:
-  static constexpr double kTubeRadius = 0.8 * kRadius;
-  static constexpr double kLength = 10.0 * kRadius;
+  static constexpr double kTubeRadius = 0.8 * kSlitProbeRadius;
+  static constexpr double kLength = 10.0 * kSlitProbeRadius;
 
   static TriangleMesh make_tube(std::mt19937_64& random) {
     constexpr std::uint32_t kAround = 48;
@@ -173,7 +173,7 @@ TEST_P(FineTube, TheSphereFollowsAlongItAndLeavesAtTheEnd) {
   std::mt19937_64 random(GetParam());
   RecordProperty("seed", std::to_string(GetParam()));
   const auto mesh = made::shared(make_tube(random));
-  const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{mesh, {}}}}).value();
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kSlitProbeRadius}, {.objects = {{mesh, {}}}}).value();
   const Vec3 start(0.0005, -0.0003, 0.5 * kLength);
   method->reset(start);
   MethodOutput output;
@@ -185,7 +185,7 @@ TEST_P(FineTube, TheSphereFollowsAlongItAndLeavesAtTheEnd) {
     for (; method->carried_from() && repeats < 256; ++repeats) output = method->step({.p_SD = device});
     most_repeats = std::max(most_repeats, repeats);
     if (i < 40) {
-      EXPECT_NEAR(output.p_SP.z(), device.z(), kRadius) << i;
+      EXPECT_NEAR(output.p_SP.z(), device.z(), kSlitProbeRadius) << i;
     }
   }
   EXPECT_LT(most_repeats, 256);
@@ -207,7 +207,7 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
     TriangleMesh mesh;
     for (const double y : {-5.663, 1.129, 7.921}) {
       for (const auto& [x, z] : {std::pair(-0.752, -1.03), {0.656, -1.458}, {1.121, 0.342}, {-0.289, 0.751}})
-        mesh.vertices.emplace_back(kRadius * (Vec3(x, y, z) + 0.001 * Vec3(uniform(random), 0.0, uniform(random))));
+        mesh.vertices.emplace_back(kSlitProbeRadius * (Vec3(x, y, z) + 0.001 * Vec3(uniform(random), 0.0, uniform(random))));
     }
     for (std::uint32_t i = 0; i < 8; ++i) {
       const std::uint32_t a = i;
@@ -217,8 +217,8 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
       mesh.triangles.push_back({b + 4, is_other_diagonal ? a + 4 : a, is_other_diagonal ? b : a + 4});
     }
     std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-    mesh = joined(mesh, made::box(kRadius * Vec3(-10.6, -12.1, -5.5), kRadius * Vec3(-9.3, -8.6, -3.3)));
-    const auto method = make_method({.name = "proxy", .probe_radius_m = kRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
+    mesh = joined(mesh, made::box(kSlitProbeRadius * Vec3(-10.6, -12.1, -5.5), kSlitProbeRadius * Vec3(-9.3, -8.6, -3.3)));
+    const auto method = make_method({.name = "proxy", .probe_radius_m = kSlitProbeRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
     const std::size_t wall = random() % 16;
     const Vec3& a = mesh.corner(wall, 0);
     const Vec3 along = mesh.corner(wall, 1) - a;
@@ -226,7 +226,7 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
     Vec3 up = along.cross(across).normalized();
     if (up.dot(a - Vec3(0.0, a.y(), 0.0)) > 0.0) up = -up;
     const double share = uniform(random);
-    const Vec3 start = a + share * along + uniform(random) * (1.0 - share) * across + kRadius * up;
+    const Vec3 start = a + share * along + uniform(random) * (1.0 - share) * across + kSlitProbeRadius * up;
     method->reset(start);
     Vec3 device = start;
     for (int i = 0; i < 20; ++i) {

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-double distance_to(const TriangleMesh& mesh, const Vec3& p) {
+double distance_to_mesh(const TriangleMesh& mesh, const Vec3& p) {
   double nearest = 1e300;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     nearest = std::min(nearest, closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance);
@@ -44,7 +44,7 @@ TEST(SurfacePoint, LiftedFromAnyVertexItIsOffTheSurfaceOnItsOwnSide) {
         const Vec3 p = geometry.to_scene(point->lifted(kHeight));
         ASSERT_NEAR(compute_winding_number(mesh, p), compute_winding_number(mesh, geometry.to_scene(beside)), 1e-3)
             << "seed " << seed << " triangle " << i << " corner " << k;
-        ASSERT_GT(distance_to(mesh, p), 0.2 * kHeight) << "seed " << seed << " triangle " << i << " corner " << k;
+        ASSERT_GT(distance_to_mesh(mesh, p), 0.2 * kHeight) << "seed " << seed << " triangle " << i << " corner " << k;
         ++lifts;
       }
     }

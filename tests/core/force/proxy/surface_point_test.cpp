@@ -14,8 +14,6 @@ namespace {
 
 using On = SurfacePoint::On;
 
-constexpr double kPi = std::numbers::pi;
-
 // Two triangles with a common edge along x. The first extends to -y, with its front up; the second to +y, turned up by the angle.
 TriangleMesh make_dihedral(double angle_rad, bool flip_second = false) {
   TriangleMesh mesh;
@@ -244,7 +242,7 @@ TEST(SurfacePoint, AnEdgeIsConvexAndFreeAsItsDihedralSays) {
         EXPECT_EQ(stage.point.b().is_back(), back != flip);
         EXPECT_EQ(stage.point.is_convex(), back ? angle > 0.0 : angle < 0.0) << angle << (back ? " back" : " front");
         for (int i = 0; i < 100; ++i) {
-          const double at = -kPi + 2.0 * kPi * (i + 0.5) / 100.0;
+          const double at = -std::numbers::pi + 2.0 * std::numbers::pi * (i + 0.5) / 100.0;
           if (std::fabs(at - angle) < 1e-4) continue;
           const Vec3 device = stage.local(0.1, 0.01 * std::cos(at), 0.01 * std::sin(at));
           EXPECT_EQ(stage.point.is_free_over_edge(device), (at > angle) != back) << angle << ", " << at;
@@ -288,7 +286,7 @@ TEST(SurfacePoint, ReleasedItIsWhereTheDeviceComesThrough) {
 // A gutter of 90 degrees along z, its bottom at y = 0.2. At the bottom the device may come out in front of one wall and continue behind the
 // other.
 TEST(SurfacePoint, ReleasedAtAConcaveEdgeItMayGoOn) {
-  SurfaceStage stage(make_gutter(1.0, 0.3, 0.5 * kPi, 1));
+  SurfaceStage stage(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 1));
   const Vec3 bottom = stage.local(0, 0.2, 0.1);
   const Vec3 left = stage.local(-1, 1, 0) - stage.local(0, 0, 0);
   int walls = 0;

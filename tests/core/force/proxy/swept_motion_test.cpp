@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 0x1p-30;
-constexpr Clearance kClearance{.offset = kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset};
+constexpr double kSweptOffset = 0x1p-30;
+constexpr Clearance kClearance{.offset = kSweptOffset, .slop = 0.5 * kSweptOffset, .tolerance = 0x1p-10 * kSweptOffset};
 
 struct SweptStage {
   explicit SweptStage(const TriangleMesh& mesh, const Clearance& keep = kClearance, const Material& material = {})
@@ -19,7 +19,7 @@ struct SweptStage {
         materials{material},
         surfaces(geometry, materials),
         clearance(keep),
-        swept(surfaces, keep, keep.offset == kOffset) {}
+        swept(surfaces, keep, keep.offset == kSweptOffset) {}
 
   void put(const Vec3& p_S) { proxy.settle_at(geometry.to_local(p_S)); }
   void move(const Vec3& p_S) {
@@ -57,11 +57,11 @@ TEST(SweptMotion, AFaceHoldsTheProxyAboveTheDevice) {
   stage.put(Vec3(0.07, 0.01, 0.02));
   stage.move(Vec3(0.03, 0.01, 0.02));
   EXPECT_FALSE(stage.proxy.is_free);
-  EXPECT_LE((stage.position() - Vec3(0.05, 0.01, 0.02)).norm(), 4.0 * kOffset);
+  EXPECT_LE((stage.position() - Vec3(0.05, 0.01, 0.02)).norm(), 4.0 * kSweptOffset);
   ASSERT_EQ(stage.proxy.active_count, 1);
   EXPECT_NEAR(stage.proxy.multipliers[0] * stage.geometry.unit_m(), 0.02, 1e-9);
   stage.move(Vec3(0.03, 0.03, -0.03));  // slides on the face
-  EXPECT_LE((stage.position() - Vec3(0.05, 0.03, -0.03)).norm(), 4.0 * kOffset);
+  EXPECT_LE((stage.position() - Vec3(0.05, 0.03, -0.03)).norm(), 4.0 * kSweptOffset);
   stage.move(Vec3(0.06, 0.03, -0.03));
   EXPECT_TRUE(stage.proxy.is_free);
 }
@@ -71,7 +71,7 @@ TEST(SweptMotion, ThreeFacesHoldItInTheCornerOfARoom) {
   stage.put(Vec3(0.013, 0.017, 0.011));
   stage.move(Vec3(0.06, 0.07, 0.08));
   EXPECT_EQ(stage.proxy.active_count, 3);
-  EXPECT_LE((stage.position() - Vec3::Constant(0.05)).norm(), 8.0 * kOffset);
+  EXPECT_LE((stage.position() - Vec3::Constant(0.05)).norm(), 8.0 * kSweptOffset);
   Vec3 sum = stage.device - stage.proxy.position;
   for (int i = 0; i < 3; ++i) sum += stage.proxy.multipliers[i] * stage.proxy.contacts[i].separation.normal;
   EXPECT_LE(sum.norm(), 1e-8);
@@ -119,7 +119,7 @@ TEST(SweptMotion, ALongSlantedPathTestsFewOfTheTrianglesInItsBox) {
     ASSERT_GE(stage.position().z(), 0.05) << "call " << i;
   }
   EXPECT_TRUE(has_settled);
-  EXPECT_LE(stage.position().z() - 0.05, 4.0 * kOffset);
+  EXPECT_LE(stage.position().z() - 0.05, 4.0 * kSweptOffset);
   EXPECT_LE((stage.position() - Vec3(0.45, 0.45, 0.05)).norm(), 0x1p-24);  // error of a normal at the contact offset, times the path
 }
 
@@ -155,7 +155,7 @@ TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
   mesh = joined(mesh, make_box(Vec3(1.0, 1.0, 0.02), 1));
   for (std::size_t i = mesh.vertices.size() - 8; i < mesh.vertices.size(); ++i) mesh.vertices[i].z() -= 0.01;
   const double unit_m = SweptStage(mesh).geometry.unit_m();
-  SweptStage stage(mesh, {.offset = kBallRadius / unit_m + kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset});
+  SweptStage stage(mesh, {.offset = kBallRadius / unit_m + kSweptOffset, .slop = 0.5 * kSweptOffset, .tolerance = 0x1p-10 * kSweptOffset});
   stage.put(Vec3(-0.02, 0.0, 0.0301));
   int calls = 0;
   constexpr int kMaxCalls = 16;
@@ -192,7 +192,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
       const std::uint64_t sweeps = stage.swept.counters().sweeps;
       stage.move(to);
       ASSERT_GE(stage.distance_by_brute_force(), keep.offset - keep.slop) << "step " << i;
-      ASSERT_LE((stage.device - stage.proxy.position).norm(), before * (1.0 + 1e-12) + 64.0 * kOffset) << "step " << i;
+      ASSERT_LE((stage.device - stage.proxy.position).norm(), before * (1.0 + 1e-12) + 64.0 * kSweptOffset) << "step " << i;
       ASSERT_LE(stage.swept.counters().sweeps - sweeps, SweptMotion::kMaxMotions);
       contacts += stage.proxy.is_free ? 0 : 1;
     }

@@ -56,7 +56,7 @@ TEST(ReferenceMethod, ReleasedFromAConcaveEdgeInMidStepItIsOnTheOtherWall) {
     const MethodOutput felt = method->step({.p_SD = Vec3(0.016, apex - depth, 0.0)});  // released at x = depth
     // The right wall rises as (1, 1) / sqrt 2: its height over the apex is the mean of x and y.
     const double along = 0.5 * (0.016 - depth);
-    EXPECT_LT((felt.force_n / kStiffness - Vec3(along - 0.016, along + depth, 0.0)).norm(), 1e-12) << substeps;
+    EXPECT_LT((felt.force_n / kReferenceStiffness - Vec3(along - 0.016, along + depth, 0.0)).norm(), 1e-12) << substeps;
     EXPECT_TRUE(method->last_step().settled);
     EXPECT_EQ(method->last_step().substeps, 2 * substeps);
   }
@@ -77,7 +77,7 @@ TEST(ReferenceMethod, OverTheEdgesOfAPrismItIsTheProjection) {
     while (device.dot(Vec3(-std::sin(face), std::cos(face), 0.0)) > half_side) face += kEighth;
     const Vec3 normal(std::cos(face), std::sin(face), 0.0);
     const Vec3 expected = device + (radius * std::cos(0.5 * kEighth) - device.dot(normal)) * normal;
-    EXPECT_LT((method->step({.p_SD = device}).force_n / kStiffness + device - expected).norm(), 1e-12) << i;
+    EXPECT_LT((method->step({.p_SD = device}).force_n / kReferenceStiffness + device - expected).norm(), 1e-12) << i;
     EXPECT_TRUE(method->last_step().settled) << i;
   }
 }
@@ -97,7 +97,7 @@ TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
     method->step({.p_SD = Vec3(0.0, 0.001, -depth)});  // slides: the pull is the cone, along x
     const MethodOutput felt = method->step({.p_SD = Vec3(0.0, 0.001 + 2.0 * cone, -depth)});
     const Vec3 pull(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // from the proxy to the device
-    EXPECT_LT((felt.force_n / kStiffness + pull).norm(), 1e-12);
+    EXPECT_LT((felt.force_n / kReferenceStiffness + pull).norm(), 1e-12);
     EXPECT_TRUE(method->last_step().settled);
   }
 }
@@ -106,7 +106,7 @@ TEST(ReferenceMethod, TheForceOnAPointIsWithoutTheRadiusOfItsSphere) {
   const auto method = reference_over(make_plane_grid(0.1, 4));
   method->reset(Vec3(0.001, 0.002, 0.001));
   const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -0.001)});
-  EXPECT_NEAR(felt.force_n.z(), kStiffness * 0.001, 1e-13);
+  EXPECT_NEAR(felt.force_n.z(), kReferenceStiffness * 0.001, 1e-13);
   EXPECT_GT(felt.p_SP.z(), 0.0);
   EXPECT_FALSE(method->step({.p_SD = Vec3(0.001, 0.002, 1e-11)}).contact);
 }

@@ -21,7 +21,7 @@ TEST(ReferenceMethod, PlaneGivesTheExactDepth) {
     device.y() = std::clamp(device.y(), -0.045, 0.045);
     device.z() = 0.0015 * std::sin(0.01 * i);
     const MethodOutput felt = method->step({.p_SD = device});
-    const double expected = std::max(0.0, -device.z()) * kStiffness;
+    const double expected = std::max(0.0, -device.z()) * kReferenceStiffness;
     ASSERT_NEAR(felt.force_n.z(), expected, 1e-6) << i;
     ASSERT_LT(felt.force_n.head<2>().norm(), 1e-6) << i;
     ASSERT_EQ(felt.contact, felt.force_n.norm() > 0.0);
@@ -35,7 +35,7 @@ TEST(ReferenceMethod, SphereProbeOnThePlaneFeelsItsRadius) {
   for (int i = 0; i < 1000; ++i) {
     const Vec3 device(0.03 * std::sin(0.01 * i), 0.03 * std::cos(0.013 * i), 0.001 * std::cos(0.02 * i));
     const MethodOutput felt = method->step({.p_SD = device});
-    ASSERT_NEAR(felt.force_n.z(), kStiffness * std::max(0.0, radius - device.z()), 1e-6) << i;
+    ASSERT_NEAR(felt.force_n.z(), kReferenceStiffness * std::max(0.0, radius - device.z()), 1e-6) << i;
     ASSERT_LT(felt.force_n.head<2>().norm(), 1e-6);
   }
 }
@@ -50,7 +50,7 @@ TEST(ReferenceMethod, NothingFallsThroughEdgesAndCorners) {
       MethodOutput felt;
       for (double part : {1.05, 0.98, 0.97}) felt = method->step({.p_SD = part * aim});
       ASSERT_TRUE(felt.contact);
-      ASSERT_NEAR(felt.force_n.norm(), kStiffness * 0.03 * aim.norm(), 0.1);
+      ASSERT_NEAR(felt.force_n.norm(), kReferenceStiffness * 0.03 * aim.norm(), 0.1);
       ASSERT_GT(felt.p_SP.norm(), 0.0485);
     }
   }
@@ -74,7 +74,7 @@ TEST(ReferenceMethod, ThinWallHoldsFastMotion) {
   auto method = reference_over(make_thin_wall(0.1, 1e-5, 8));
   method->reset(Vec3(0.001, 0.002, 0.01));
   const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -0.01)});
-  EXPECT_NEAR(felt.force_n.z(), 10.0 + kStiffness * 5e-6, 1e-6);
+  EXPECT_NEAR(felt.force_n.z(), 10.0 + kReferenceStiffness * 5e-6, 1e-6);
   EXPECT_NEAR(felt.p_SP.z(), 5e-6, 1e-10);
 }
 
@@ -87,7 +87,7 @@ TEST(ReferenceMethod, ASphereLargerThanTheSceneMeetsItFromFarAway) {
       method->reset(Vec3(aside, 0.001, 40.0));
       const MethodOutput felt = method->step({.p_SD = {aside, 0.001, kHalf + 0.9 * radius}});
       EXPECT_NEAR(felt.p_SP.z(), kHalf + radius, 1e-6 * radius) << radius;
-      EXPECT_NEAR(felt.force_n.z(), 0.1 * kStiffness * radius, 1e-3) << radius;
+      EXPECT_NEAR(felt.force_n.z(), 0.1 * kReferenceStiffness * radius, 1e-3) << radius;
     }
   }
 }
@@ -156,7 +156,7 @@ TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
     std::vector<Vec3> extensions;
     for (const Vec3& p : path) {
       const Vec3 device = p * scale + move;
-      extensions.push_back(method->step({.p_SD = device}).force_n / (kStiffness * scale));
+      extensions.push_back(method->step({.p_SD = device}).force_n / (kReferenceStiffness * scale));
     }
     return extensions;
   };
@@ -216,7 +216,7 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
     const double ratio = -force.x() / force.z();
     ASSERT_LE(ratio, 0.5 + 1e-6);
     if (x < 0.00049) {
-      ASSERT_NEAR(force.x(), -kStiffness * x, 1e-6) << i;
+      ASSERT_NEAR(force.x(), -kReferenceStiffness * x, 1e-6) << i;
     } else if (x > 0.00052) {
       has_slid = true;
       ASSERT_NEAR(ratio, 0.3, 1e-6) << i;
@@ -226,8 +226,8 @@ TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
   // The device goes back until the pull is a tenth of the dynamic cone: the proxy sticks again, until the pull leaves the static cone.
   const double held_x = 0.002 - 0.0003;
   method->step({.p_SD = Vec3(held_x + 0.00003, 0.0, -0.001)});
-  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00045, 0.0, -0.001)}).force_n.x(), -kStiffness * 0.00045, 1e-6);
-  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00055, 0.0, -0.001)}).force_n.x(), -kStiffness * 0.0003, 1e-6);
+  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00045, 0.0, -0.001)}).force_n.x(), -kReferenceStiffness * 0.00045, 1e-6);
+  EXPECT_NEAR(method->step({.p_SD = Vec3(held_x + 0.00055, 0.0, -0.001)}).force_n.x(), -kReferenceStiffness * 0.0003, 1e-6);
 }
 
 TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {

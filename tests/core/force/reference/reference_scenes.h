@@ -17,7 +17,7 @@
 
 namespace hapton {
 
-constexpr double kStiffness = 1000.0;
+constexpr double kReferenceStiffness = 1000.0;
 
 inline std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double probe_radius_m = 0.0, Material material = {},
                                                        bool prefilter = true, int substeps = 8) {
@@ -65,14 +65,15 @@ inline void expect_close_to_analytic(const CurvedShape& shape, double probe) {
   random_walk(9, 1500, shape.at_depth_1mm, [&](const Vec3& device, int i) {
     const MethodOutput felt = method->step({.p_SD = device});
     const Vec3 depth = shape.nearest(device) - device;
-    const Vec3 expected = kStiffness * (depth + probe * depth.normalized());
+    const Vec3 expected = kReferenceStiffness * (depth + probe * depth.normalized());
     // Along the depth, the closest point of the mesh is within the sagitta of that of the shape. Sideways, it is on a face that is tilted
     // by at most tilt_rad, so the force is turned by at most that angle.
     const double strength = expected.norm();
     ASSERT_TRUE(felt.contact) << shape.name << ' ' << i;
-    ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6)
+    ASSERT_NEAR(felt.force_n.norm(), strength,
+                kReferenceStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6)
         << shape.name << ' ' << i;
-    ASSERT_LT((felt.force_n - expected).norm(), kStiffness * shape.sagitta_m + strength * 1.05 * shape.tilt_rad + 1e-6)
+    ASSERT_LT((felt.force_n - expected).norm(), kReferenceStiffness * shape.sagitta_m + strength * 1.05 * shape.tilt_rad + 1e-6)
         << shape.name << ' ' << i;
     ++contacts;
   });

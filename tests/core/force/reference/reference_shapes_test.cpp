@@ -20,8 +20,8 @@ TEST(ReferenceMethod, RoomCornersAreExactProjections) {
       const Vec3 expected = device.cwiseMax(-0.05 + probe).cwiseMin(0.05 - probe);
       const MethodOutput felt = method->step({.p_SD = device});
       ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i << " probe " << probe;
-      ASSERT_LT((felt.force_n - kStiffness * (expected - device)).norm(), 1e-6);
-      ASSERT_LE((felt.force_n - last_force).norm(), kStiffness * (device - last_device).norm() + 1e-6);  // firmly non-expansive
+      ASSERT_LT((felt.force_n - kReferenceStiffness * (expected - device)).norm(), 1e-6);
+      ASSERT_LE((felt.force_n - last_force).norm(), kReferenceStiffness * (device - last_device).norm() + 1e-6);  // firmly non-expansive
       last_force = felt.force_n;
       last_device = device;
     }
@@ -42,7 +42,7 @@ TEST(ReferenceMethod, BoxFacesFromOutside) {
         device[axis] = side * (0.06 - 0.012 * std::min(1.0, i / 100.0));
         const MethodOutput felt = method->step({.p_SD = device});
         Vec3 expected = Vec3::Zero();
-        expected[axis] = side * kStiffness * std::max(0.0, 0.05 - std::abs(device[axis]));
+        expected[axis] = side * kReferenceStiffness * std::max(0.0, 0.05 - std::abs(device[axis]));
         ASSERT_LT((felt.force_n - expected).norm(), 1e-6) << axis << ' ' << i;
       }
     }

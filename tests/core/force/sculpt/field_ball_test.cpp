@@ -21,7 +21,7 @@ CarvedField field_of(const TriangleMesh& mesh) {
   return std::move(*field);
 }
 
-Vec3 any_direction(std::mt19937_64& random) {
+Vec3 direction_from_clay(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
@@ -36,7 +36,7 @@ TEST(FieldBall, RestsOnABallOfMaterialWhereItIsNearestToTheDevice) {
   SCOPED_TRACE(testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   for (int i = 0; i < 200; ++i) {
-    const Vec3 out = any_direction(random);
+    const Vec3 out = direction_from_clay(random);
     const Vec3 goal = (kClayRadiusM + 0.0035) * out;
     const FieldBall::Moved moved = ball.move(field, 0.05 * out, goal);
     ASSERT_TRUE(moved.touches);

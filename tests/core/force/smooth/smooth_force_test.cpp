@@ -13,11 +13,11 @@
 namespace hapton {
 namespace {
 
-constexpr double kStiffness = 1000.0;
+constexpr double kLayerStiffness = 1000.0;
 
 std::vector<SetTriangle> set_of(const TriangleMesh& mesh, bool two_sided = true) {
   TouchScene scene;
-  scene.objects.push_back({made::shared(mesh), {.stiffness_n_per_m = kStiffness, .two_sided = two_sided}});
+  scene.objects.push_back({made::shared(mesh), {.stiffness_n_per_m = kLayerStiffness, .two_sided = two_sided}});
   const auto built = SmoothScene::build(scene, {});
   std::vector<SetTriangle> all;
   built->for_each([&all](const SetTriangle& t) { all.push_back(t); });
@@ -27,7 +27,7 @@ std::vector<SetTriangle> set_of(const TriangleMesh& mesh, bool two_sided = true)
 SmoothForce force_at(const std::vector<SetTriangle>& triangles, const Vec3& P, double radius, double layer) {
   SmoothForceSum sum(P, radius);
   for (const SetTriangle& t : triangles) sum.add(t);
-  return sum.combine(layer, std::array{Material{.stiffness_n_per_m = kStiffness}});
+  return sum.combine(layer, std::array{Material{.stiffness_n_per_m = kLayerStiffness}});
 }
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
@@ -45,7 +45,7 @@ TEST(SmoothForce, OverAPlaneIsExact) {
     if (i % 6 == 0) P.y() = 0.01 * std::round(P.y() * 100.0);  // over a vertex
     const SmoothForce felt = force_at(triangles, P, 0.005, 0.005);
     EXPECT_GE(felt.vcps, 1U);
-    EXPECT_LT((felt.force_n - Vec3(0, 0, kStiffness * (0.005 - P.z()))).norm(), 1e-9) << P.transpose();
+    EXPECT_LT((felt.force_n - Vec3(0, 0, kLayerStiffness * (0.005 - P.z()))).norm(), 1e-9) << P.transpose();
     EXPECT_LT((felt.D - Vec3(P.x(), P.y(), 0)).norm(), 1e-12);
   }
 }
@@ -102,7 +102,7 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
     last = felt.force_n;
   }
   const double step = 0.003 * std::sqrt(1.5) * 6.283185307179586 / kSteps;
-  EXPECT_LT(worst_jump_n, 12.0 * kStiffness * step);
+  EXPECT_LT(worst_jump_n, 12.0 * kLayerStiffness * step);
 }
 
 // At a blunt concave edge both faces overlap; the degenerate triangles subtract what is counted twice, so no face's share ends with a
@@ -137,7 +137,7 @@ TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
     }
     return worst;
   };
-  const double step = kStiffness * 0.012 / 5000.0;
+  const double step = kLayerStiffness * 0.012 / 5000.0;
   EXPECT_LT(worst_jump(triangles), 10.0 * step);
   EXPECT_GT(worst_jump(faces_only), 75.0 * step) << "without the fans there is no jump: this test proves nothing";
 }
@@ -150,7 +150,7 @@ TEST(SmoothForce, RemovesHiddenVcps) {
   EXPECT_EQ(felt.vcps, 2U);
   EXPECT_EQ(felt.hidden, 1U);
   EXPECT_NEAR(felt.D.z(), 0.0, 1e-12);
-  EXPECT_NEAR(felt.force_n.z(), kStiffness * 0.003, 1e-9);
+  EXPECT_NEAR(felt.force_n.z(), kLayerStiffness * 0.003, 1e-9);
 }
 
 TEST(SmoothForce, OneSidedIsTouchedFromItsFrontOnly) {
@@ -173,7 +173,7 @@ TEST(SmoothForce, TheStrongestVcpGivesTheMagnitude) {
   const auto triangles = set_of(corner);
   const Vec3 P(-0.017, 0.0013, 0.002);
   const SmoothForce felt = force_at(triangles, P, 0.01, 0.005);
-  EXPECT_NEAR(felt.force_n.norm(), kStiffness * 0.003, 1e-9);
+  EXPECT_NEAR(felt.force_n.norm(), kLayerStiffness * 0.003, 1e-9);
   EXPECT_NEAR(felt.force_n.x() / felt.force_n.z(), 2.0 / 3.0, 1e-9);
 }
 

@@ -96,7 +96,7 @@ TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   double worst_angle = 0.0;
   double worst_turn = 0.0;
   for (int i = 0; i < kSteps; ++i) {
-    const double a = 2.0 * kPi * i / kSteps;
+    const double a = 2.0 * std::numbers::pi * i / kSteps;
     const Vec3 P = (kRadius - 0.0015) * Vec3(std::cos(a), 0.8 * std::sin(a), 0.6 * std::sin(a));
     const MethodOutput felt = method->step({.p_SD = P});
     ASSERT_TRUE(felt.contact) << "fell through at step " << i;

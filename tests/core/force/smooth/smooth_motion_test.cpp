@@ -59,7 +59,7 @@ TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
 
 // In a groove the probe is held by both walls at once, at the bottom.
 TEST(SmoothMethod, AGrooveHoldsAtItsBottom) {
-  const auto method = make_smooth(scene_of(make_gutter(0.1, 0.03, 0.5 * kPi, 8)));
+  const auto method = make_smooth(scene_of(make_gutter(0.1, 0.03, 0.5 * std::numbers::pi, 8)));
   const Vec3 bottom(0.0, 0.05 - 0.03, 0.011);
   method->reset(bottom + Vec3(0, 0.01, 0));
   MethodOutput felt;

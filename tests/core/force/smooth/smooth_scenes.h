@@ -7,6 +7,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <thread>
 #include <vector>
@@ -22,7 +23,6 @@ namespace hapton {
 // The VCP is a billionth of the scene's size off the surface. These are the tolerances of otherwise exact results, in newtons and metres.
 constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
-constexpr double kPi = 3.14159265358979323846;
 
 inline std::unique_ptr<SmoothMethod> make_smooth(const TouchScene& scene, const MethodSettings& settings = {}) {
   auto method = SmoothMethod::make(settings, scene);
@@ -75,7 +75,7 @@ inline double winding_number(const TriangleMesh& mesh, const Vec3& p) {
     const Vec3 c = mesh.corner(t, 2) - p;
     sum += std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() + b.dot(c) * a.norm() + c.dot(a) * b.norm());
   }
-  return sum / (2.0 * kPi);
+  return sum / (2.0 * std::numbers::pi);
 }
 
 }  // namespace hapton

@@ -219,7 +219,7 @@ TEST(SmoothMethod, ExchangingSetsDoesNotChangeTheForce) {
   double worst_at_exchange = 0.0;
   double worst_otherwise = 0.0;
   for (int i = 0; i < 6000; ++i) {
-    const double a = 0.5 * kPi * i / 6000.0;
+    const double a = 0.5 * std::numbers::pi * i / 6000.0;
     const Vec3 P = 0.0465 * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a));
     const Vec3 force = method->step({.p_SD = P}).force_n;
     if (i > 1) {

@@ -54,7 +54,7 @@ double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a - t * (b - a)).norm();
 }
 
-double distance_to(const Guide& guide, const Vec3& p) {
+double distance_to_guide(const Guide& guide, const Vec3& p) {
   Vec3 off = p - guide.origin;
   if (guide.part == Feature::face) return guide.direction.dot(off);
   if (guide.part == Feature::edge) off -= guide.direction.dot(off) * guide.direction;
@@ -128,7 +128,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     // Alternating projections converge to a point on all of them, slowly.
     const auto onto = [&](Vec3 p) {
       for (int round = 0; round < 400; ++round) {
-        for (int g = 0; g < count; ++g) p += (offset - distance_to(guides[g], p)) * normal(g, p);
+        for (int g = 0; g < count; ++g) p += (offset - distance_to_guide(guides[g], p)) * normal(g, p);
       }
       return p;
     };
@@ -145,7 +145,8 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     };
     bool is_on = (to - from).norm() < 2.0 * length && (to - from).norm() > 0.1 * length;
     for (int g = 0; g < count; ++g)
-      is_on = is_on && std::max(std::fabs(distance_to(guides[g], from) - offset), std::fabs(distance_to(guides[g], to) - offset)) < 1e-15;
+      is_on = is_on && std::max(std::fabs(distance_to_guide(guides[g], from) - offset),
+                                std::fabs(distance_to_guide(guides[g], to) - offset)) < 1e-15;
     if (!is_on) continue;
     ++checked_paths;
     const double chord = (to - from).norm();
@@ -156,7 +157,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
       const Vec3 p = path.at(time);
       const Vec3 slope = path.slope(time);
       for (int g = 0; g < count; ++g) {
-        EXPECT_NEAR(distance_to(guides[g], p), offset, 0x1p-50)
+        EXPECT_NEAR(distance_to_guide(guides[g], p), offset, 0x1p-50)
             << static_cast<int>(guides[0].part) << " and " << static_cast<int>(guides[1].part) << " time " << time;
         EXPECT_LE(std::fabs(normal(g, p).dot(slope)), 1e-14 * slope.norm());
       }

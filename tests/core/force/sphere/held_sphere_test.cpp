@@ -11,15 +11,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kRadius = 1.0;
+constexpr double kHeldRadius = 1.0;
 constexpr double kPullLength = 3.0;
 constexpr double kAngle = std::numbers::pi / 6.0;  // angle below the sphere's middle at which it leans on the edge
 
 // A floor with a step half a radius high: a sphere on the floor leans on the step's edge.
 TouchScene floor_with_step() {
   TriangleMesh mesh;
-  const double x = kRadius * std::cos(kAngle);
-  const double high = kRadius * (1.0 - std::sin(kAngle));
+  const double x = kHeldRadius * std::cos(kAngle);
+  const double high = kHeldRadius * (1.0 - std::sin(kAngle));
   for (const double y : {-20.0, 20.0}) {
     mesh.vertices.insert(mesh.vertices.end(), {{-20.0, y, 0.0}, {x, y, 0.0}, {x, y, high}, {20.0, y, high}});
   }
@@ -34,10 +34,10 @@ TouchScene floor_with_step() {
 // The device whose pull would just lift the sphere over the step, but with the sideways part of the pull reduced by this share.
 Vec3 device_short_of_lifting(double share) {
   const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
-  return Vec3(0.0, 0.0, kRadius) + kPullLength * Vec3(sideways, 0.0, -1.0).normalized();
+  return Vec3(0.0, 0.0, kHeldRadius) + kPullLength * Vec3(sideways, 0.0, -1.0).normalized();
 }
 
-const Vec3 kLeaningCentre(0.0, 0.0, kRadius);
+const Vec3 kLeaningCentre(0.0, 0.0, kHeldRadius);
 
 class HeldSphere : public testing::TestWithParam<std::string> {
  protected:
@@ -46,13 +46,13 @@ class HeldSphere : public testing::TestWithParam<std::string> {
   static Vec3 pull_to(const Vec3& device) {
     MethodSettings settings;
     settings.name = GetParam();
-    settings.probe_radius_m = kRadius;
+    settings.probe_radius_m = kHeldRadius;
     const auto method = make_method(settings, floor_with_step()).value();
     const Vec3 free = kLeaningCentre + Vec3(-1e-3, 0.0, 1e-3);
     method->reset(free);
     const Vec3 below = kLeaningCentre - Vec3(0.0, 0.0, kPullLength);
     method->step({.p_SD = below});
-    const auto steps = static_cast<int>((device - below).norm() / (1e-3 * kRadius));
+    const auto steps = static_cast<int>((device - below).norm() / (1e-3 * kHeldRadius));
     Vec3 proxy;
     for (int i = 0; i <= steps; ++i) proxy = method->step({.p_SD = below + (device - below) * (static_cast<double>(i) / steps)}).p_SP;
     return proxy;
@@ -61,21 +61,23 @@ class HeldSphere : public testing::TestWithParam<std::string> {
 
 TEST_P(HeldSphere, LeansOnTheStepAsLongAsNothingLeadsDown) {
   for (const double share : {0.2, 0.05, 0.01, 0.001}) {
-    EXPECT_LE((pull_to(device_short_of_lifting(share)) - kLeaningCentre).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+    EXPECT_LE((pull_to(device_short_of_lifting(share)) - kLeaningCentre).norm(), 1e-7 * kHeldRadius) << "short of lifting by " << share;
   }
 }
 
-TEST_P(HeldSphere, GoesOverOnceItIsLifted) { EXPECT_GE((pull_to(device_short_of_lifting(-0.001)) - kLeaningCentre).norm(), 0.5 * kRadius); }
+TEST_P(HeldSphere, GoesOverOnceItIsLifted) {
+  EXPECT_GE((pull_to(device_short_of_lifting(-0.001)) - kLeaningCentre).norm(), 0.5 * kHeldRadius);
+}
 
 INSTANTIATE_TEST_SUITE_P(Methods, HeldSphere, testing::Values("proxy", "reference"));
 
 TEST(HeldSphere, TheReferenceFindsItAtAMinimumAtEveryOffset) {
   MethodSettings settings;
-  settings.probe_radius_m = kRadius;
+  settings.probe_radius_m = kHeldRadius;
   const auto reference = ReferenceMethod::make_reference(settings, floor_with_step()).value();
   for (const double share : {0.2, 0.05, 0.01, 0.001}) {
     const Vec3 proxy = reference->settle_from(kLeaningCentre + Vec3(0.0, 0.0, 1e-9), device_short_of_lifting(share)).p_SP;
-    EXPECT_LE((proxy - kLeaningCentre).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+    EXPECT_LE((proxy - kLeaningCentre).norm(), 1e-7 * kHeldRadius) << "short of lifting by " << share;
   }
 }
 

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 0.1;
+constexpr double kDragOffset = 0.1;
 constexpr FrictionCoefficients kRough{.static_mu = 0.5, .dynamic_mu = 0.3};
 const ContactTriangle kFlat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
 const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2, 2));
@@ -21,7 +21,7 @@ const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2,
 // The drag on a single contact.
 struct SingleContactDrag {
   explicit SingleContactDrag(const OffsetContact& of, const FrictionCoefficients& friction = kRough)
-      : contacts{of}, coefficients{friction}, drag(contacts, coefficients, kOffset) {}
+      : contacts{of}, coefficients{friction}, drag(contacts, coefficients, kDragOffset) {}
   std::array<OffsetContact, 1> contacts;
   std::array<FrictionCoefficients, 1> coefficients;
   OffsetDrag drag;
@@ -31,7 +31,7 @@ struct SingleContactDrag {
 Vec3 find_centre_on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& direction, const Vec3& device) {
   Vec3 c = foot;
   OffsetDrag::Pull pull;
-  for (double off = 0.0, step = 0.02; step > 1e-17 && off < kOffset;) {
+  for (double off = 0.0, step = 0.02; step > 1e-17 && off < kDragOffset;) {
     Vec3 there = foot - (off + step) * direction;
     EXPECT_TRUE(drag.restore(there) && drag.find_pull(there, device, pull));
     if (pull.excess() <= 0.0) {
@@ -76,7 +76,7 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
                                                   .friction_static = 0.3,
                                                   .friction_dynamic = 0.3,
                                                   .sliding = true});
-  Vec3 c = Vec3(0.1, 0.05, kOffset) - start_pull;
+  Vec3 c = Vec3(0.1, 0.05, kDragOffset) - start_pull;
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(single.drag.find_pull(c, from, pull));
@@ -86,7 +86,7 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
   // The motion along the pull, less the growth of the cone.
   EXPECT_NEAR(single.drag.find_excess_rate(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
   ASSERT_TRUE(single.drag.follow(from, to, c, tests));
-  EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.pull).norm(), 1e-14);
+  EXPECT_LT((Vec3(to.x(), to.y(), kDragOffset) - c - expected.pull).norm(), 1e-14);
 }
 
 class RoundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
@@ -109,7 +109,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
       // The depth is small enough for the place on the cone to be stable.
       const Vec3 from = origin + 0.06 * out;
       const Vec3 to = from + 0.006 * vector();
-      Vec3 foot = origin + kOffset * out;
+      Vec3 foot = origin + kDragOffset * out;
       ASSERT_TRUE(single.drag.restore(foot));
       Vec3 c = find_centre_on_cone(single.drag, foot, (to - from - out * out.dot(to - from) + 0.002 * vector()).normalized(), from);
       const Vec3 expected = drag_in_small_steps_to_second_order(single.drag, from, to, c, 2000);
@@ -148,13 +148,13 @@ TEST(OffsetDrag, AlongTheCurveOfTwoContactsThePullIsOnTheCone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
   const std::array<FrictionCoefficients, 2> friction{kRough, kRough};
-  const OffsetDrag drag(contacts, friction, kOffset);
+  const OffsetDrag drag(contacts, friction, kDragOffset);
   EXPECT_TRUE(drag.is_flat());
   const Vec3 from(0.0, 0.14, -0.03);
   const Vec3 to(0.05, 0.2, -0.05);
   const double lag_at_start = 0.3 * std::hypot(0.04, 0.13);
   const double lag_at_end = 0.3 * std::hypot(0.1, 0.15);
-  Vec3 c(-lag_at_start, 0.1, kOffset);
+  Vec3 c(-lag_at_start, 0.1, kDragOffset);
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(drag.find_pull(c, from, pull));
@@ -162,7 +162,7 @@ TEST(OffsetDrag, AlongTheCurveOfTwoContactsThePullIsOnTheCone) {
   EXPECT_NEAR(pull.multiplier[1], 0.04, 1e-14);
   EXPECT_NEAR(pull.excess(), 0.0, 1e-14);
   ASSERT_TRUE(drag.follow(from, to, c, tests));
-  EXPECT_LT((c - Vec3(0.05 - lag_at_end, 0.1, kOffset)).norm(), 1e-14);
+  EXPECT_LT((c - Vec3(0.05 - lag_at_end, 0.1, kDragOffset)).norm(), 1e-14);
 }
 
 // The coefficients are means, weighted by the multipliers, as those of the material are.
@@ -170,9 +170,9 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
   const std::array<FrictionCoefficients, 2> friction{FrictionCoefficients{0.4, 0.2}, FrictionCoefficients{0.8, 0.6}};
-  const OffsetDrag drag(contacts, friction, kOffset);
+  const OffsetDrag drag(contacts, friction, kDragOffset);
   OffsetDrag::Pull pull;
-  ASSERT_TRUE(drag.find_pull(Vec3(0.0, 0.1, kOffset), Vec3(0.02, 0.2, -0.2), pull));  // multipliers 0.3 and 0.1
+  ASSERT_TRUE(drag.find_pull(Vec3(0.0, 0.1, kDragOffset), Vec3(0.02, 0.2, -0.2), pull));  // multipliers 0.3 and 0.1
   EXPECT_NEAR(pull.friction.static_mu, 0.5, 1e-14);
   EXPECT_NEAR(pull.friction.dynamic_mu, 0.3, 1e-14);
 }
@@ -194,11 +194,11 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
     const bool is_edge = i % 2 == 0;
     const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
     const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
-    Vec3 start = origin + vector().normalized() * kOffset;
+    Vec3 start = origin + vector().normalized() * kDragOffset;
     ASSERT_TRUE(single.drag.restore(start));
     const double reach = i % 3 == 0 ? 1e-3 : 0.9;  // near the axis, and up to the surface
     const Vec3 device =
-        origin + reach * kOffset * vector() + (is_edge && i % 5 == 0 ? Vec3(0.3 * unit(random), 0.0, 0.0) : Vec3(0.0, 0.0, 0.0));
+        origin + reach * kDragOffset * vector() + (is_edge && i % 5 == 0 ? Vec3(0.3 * unit(random), 0.0, 0.0) : Vec3(0.0, 0.0, 0.0));
     OffsetDrag::Pull pull;
     ASSERT_TRUE(single.drag.find_pull(start, device, pull));
     if (!(pull.length > 1e-6)) continue;
@@ -213,7 +213,7 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
     EXPECT_LT((descend_by(1e-9).centre - start - 1e-9 * along).norm(), 1e-13);
     for (const double length : {0.001, 0.004, 0.0125, 0.03}) {
       const OffsetDrag::Descent at = descend_by(length);
-      EXPECT_NEAR(single.contacts[0].proximity(at.centre).distance, kOffset, 1e-15);
+      EXPECT_NEAR(single.contacts[0].proximity(at.centre).distance, kDragOffset, 1e-15);
       ASSERT_TRUE(single.drag.find_pull(at.centre, device, pull));
       if (!(pull.length > 1e-3)) continue;  // at the end of the line
       const Vec3 direction = pull.tangential / pull.length;
@@ -234,16 +234,16 @@ TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
   for (const bool is_edge : {true, false}) {
     const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
     const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
-    Vec3 start = origin + kOffset * Vec3(is_edge ? 0.0 : 0.1 * unit(random), -0.5, 1.0).normalized();
+    Vec3 start = origin + kDragOffset * Vec3(is_edge ? 0.0 : 0.1 * unit(random), -0.5, 1.0).normalized();
     ASSERT_TRUE(single.drag.restore(start));
-    const Vec3 device = origin + 0.5 * kOffset * Vec3(0.0, unit(random), 1.0);
+    const Vec3 device = origin + 0.5 * kDragOffset * Vec3(0.0, unit(random), 1.0);
     OffsetDrag::Pull pull;
     ASSERT_TRUE(single.drag.find_pull(start, device, pull));
     int tests = 0;
     OffsetDrag::Descent at{.centre = start};
     ASSERT_TRUE(single.drag.descend(device, pull.tangential / pull.length, 0.25, at, tests));
     const Vec3 off = device - origin;
-    EXPECT_LT((at.centre - origin - kOffset * off.normalized()).norm(), 1e-12);
+    EXPECT_LT((at.centre - origin - kDragOffset * off.normalized()).norm(), 1e-12);
   }
 }
 
@@ -251,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, DescentAroundAnEdgeOrVertex, testing::Values(1, 
 
 TEST(OffsetDrag, ADeviceComesOutOnTheSideOfTheCentre) {
   const SingleContactDrag single(OffsetContact::on_edge(0, kFlat, 0));
-  const Vec3 c(0.0, -1.0, kOffset);
+  const Vec3 c(0.0, -1.0, kDragOffset);
   OffsetDrag::Pull pull;
   const Vec3 from(0.0, -1.0, 0.05);
   ASSERT_TRUE(single.drag.find_pull(c, from, pull));

@@ -15,17 +15,17 @@ namespace hapton {
 namespace {
 
 TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
-  Stage stage(made::sheet(0.5, 0.0, 8), kOffset);
+  Stage stage(made::sheet(0.5, 0.0, 8), kStageOffset);
   stage.put({0.03, 0.02, 0.4});
   ASSERT_EQ(stage.move({0.03, 0.02, -0.05}), Outcome::settled);
-  expect_centre(stage, {0.03, 0.02, kOffset});
+  expect_centre(stage, {0.03, 0.02, kStageOffset});
   // Over the sheet's inner edges and vertices, which all lie in one plane.
   ASSERT_EQ(stage.move({0.31, -0.27, -0.2}), Outcome::settled);
-  expect_centre(stage, {0.31, -0.27, kOffset});
+  expect_centre(stage, {0.31, -0.27, kStageOffset});
   ASSERT_EQ(stage.follower->contacts().size(), 1U);
-  EXPECT_NEAR(stage.follower->contacts()[0].multiplier * stage.unit(), 0.2 + kOffset, kCentreTolerance);
+  EXPECT_NEAR(stage.follower->contacts()[0].multiplier * stage.unit(), 0.2 + kStageOffset, kCentreTolerance);
   ASSERT_EQ(stage.move({0.125, 0.125, 0.03}), Outcome::settled);
-  expect_centre(stage, {0.125, 0.125, kOffset});
+  expect_centre(stage, {0.125, 0.125, kStageOffset});
   EXPECT_FALSE(stage.follower->is_free());
   // Off the sheet again, with the device.
   ASSERT_EQ(stage.move({0.2, 0.125, 0.13}), Outcome::settled);
@@ -40,33 +40,33 @@ Vec3 round_the_edge(double distance, double angle, double y) {
 }
 
 TEST(SphereFollower, RollsRoundAConvexEdge) {
-  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
+  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kStageOffset);
   stage.put({0.3, 0.0, 0.8});
   ASSERT_EQ(stage.move({0.4, 0.0, 0.53}), Outcome::settled);
-  expect_centre(stage, {0.4, 0.0, 0.5 + kOffset});
+  expect_centre(stage, {0.4, 0.0, 0.5 + kStageOffset});
   constexpr int kSteps = 50;
   for (int i = 0; i <= kSteps; ++i) {
     const double angle = 0.5 * std::numbers::pi * (i + 0.5) / (kSteps + 1);
     const double y = 0.2 * i / kSteps;
     ASSERT_EQ(stage.move(round_the_edge(0.03, angle, y)), Outcome::settled);
-    expect_centre(stage, round_the_edge(kOffset, angle, y));
+    expect_centre(stage, round_the_edge(kStageOffset, angle, y));
     ASSERT_EQ(stage.follower->contacts().size(), 1U);
     EXPECT_EQ(stage.follower->contacts()[0].part, Feature::edge);
   }
   ASSERT_EQ(stage.move({0.45, 0.1, 0.3}), Outcome::settled);
-  expect_centre(stage, {0.5 + kOffset, 0.1, 0.3});
+  expect_centre(stage, {0.5 + kStageOffset, 0.1, 0.3});
 }
 
 TEST(SphereFollower, GoesRoundAnEdgeInOneStep) {
-  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
+  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kStageOffset);
   stage.put({0.3, 0.0, 0.8});
   ASSERT_EQ(stage.move({0.4, 0.1, 0.55}), Outcome::settled);
   ASSERT_EQ(stage.move({0.55, 0.1, 0.4}), Outcome::settled);
-  expect_centre(stage, {0.5 + kOffset, 0.1, 0.4});
+  expect_centre(stage, {0.5 + kStageOffset, 0.1, 0.4});
 }
 
 TEST(SphereFollower, RollsOverAVertex) {
-  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
+  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kStageOffset);
   const Vec3 corner = Vec3::Constant(0.5);
   stage.put(corner + Vec3::Constant(0.3));
   ASSERT_EQ(stage.move(corner + 0.04 * Vec3(1, 1, 1).normalized()), Outcome::settled);
@@ -74,7 +74,7 @@ TEST(SphereFollower, RollsOverAVertex) {
     const double turn = 0.7 * std::sin(0.3 * i);
     const Vec3 out = Vec3(1.0 + turn, 1.0 + 0.6 * std::cos(0.7 * i), 1.0 - turn).normalized();
     ASSERT_EQ(stage.move(corner + (0.04 + 0.02 * std::sin(1.3 * i)) * out), Outcome::settled);
-    expect_centre(stage, corner + kOffset * out);
+    expect_centre(stage, corner + kStageOffset * out);
     ASSERT_EQ(stage.follower->contacts().size(), 1U);
     EXPECT_EQ(stage.follower->contacts()[0].part, Feature::vertex);
   }
@@ -94,24 +94,24 @@ TriangleMesh crease(double angle) {
 
 TEST(SphereFollower, InACreaseItIsHeldByBothFaces) {
   for (const double angle : {0.5 * std::numbers::pi, 1.2, 2.3}) {
-    Stage stage(crease(angle), kOffset);
-    const double x = kOffset / std::tan(0.5 * angle);
+    Stage stage(crease(angle), kStageOffset);
+    const double x = kStageOffset / std::tan(0.5 * angle);
     const Vec3 wall_normal(std::sin(angle), 0.0, -std::cos(angle));
-    stage.put({x + 0.01, 0.3, kOffset + 0.005});
+    stage.put({x + 0.01, 0.3, kStageOffset + 0.005});
     // A device whose pull both faces must hold.
-    const Vec3 device = Vec3(x, 0.25, kOffset) - 0.2 * Vec3::UnitZ() - 0.1 * wall_normal;
+    const Vec3 device = Vec3(x, 0.25, kStageOffset) - 0.2 * Vec3::UnitZ() - 0.1 * wall_normal;
     ASSERT_EQ(stage.move(device), Outcome::settled);
-    expect_centre(stage, {x, 0.25, kOffset});
+    expect_centre(stage, {x, 0.25, kStageOffset});
     ASSERT_EQ(stage.follower->contacts().size(), 2U);
     for (const OffsetContact& contact : stage.follower->contacts()) {
       const bool is_floor = std::fabs(contact.normal.z()) > 1.0 - 1e-12;
       EXPECT_NEAR(contact.multiplier * stage.unit(), is_floor ? 0.2 : 0.1, kCentreTolerance);
     }
     ASSERT_EQ(stage.move(device + Vec3(0.0, -0.6, 0.0)), Outcome::settled);
-    expect_centre(stage, {x, -0.35, kOffset});
+    expect_centre(stage, {x, -0.35, kStageOffset});
     // Off the wall, over the floor.
     ASSERT_EQ(stage.move({x + 0.3, -0.2, -0.1}), Outcome::settled);
-    expect_centre(stage, {x + 0.3, -0.2, kOffset});
+    expect_centre(stage, {x + 0.3, -0.2, kStageOffset});
     EXPECT_EQ(stage.follower->contacts().size(), 1U);
   }
 }
@@ -119,74 +119,74 @@ TEST(SphereFollower, InACreaseItIsHeldByBothFaces) {
 TEST(SphereFollower, InACornerOfThreeWallsItStaysUntilAMultiplierIsZero) {
   TriangleMesh room = made::box(Vec3::Zero(), Vec3::Ones());
   for (Triangle& triangle : room.triangles) std::swap(triangle[1], triangle[2]);
-  Stage stage(room, kOffset, {.two_sided = false});
+  Stage stage(room, kStageOffset, {.two_sided = false});
   stage.put({0.4, 0.5, 0.6});
   ASSERT_EQ(stage.move({-0.1, -0.2, -0.3}), Outcome::settled);
-  expect_centre(stage, Vec3::Constant(kOffset));
+  expect_centre(stage, Vec3::Constant(kStageOffset));
   ASSERT_EQ(stage.follower->contacts().size(), 3U);
   for (const OffsetContact& contact : stage.follower->contacts()) {
     int axis = 0;
     contact.normal.maxCoeff(&axis);
-    EXPECT_NEAR(contact.multiplier * stage.unit(), kOffset + 0.1 * (axis + 1), kCentreTolerance);
+    EXPECT_NEAR(contact.multiplier * stage.unit(), kStageOffset + 0.1 * (axis + 1), kCentreTolerance);
   }
   ASSERT_EQ(stage.move({0.05, -0.1, 0.09}), Outcome::settled);
-  expect_centre(stage, Vec3::Constant(kOffset));
+  expect_centre(stage, Vec3::Constant(kStageOffset));
   ASSERT_EQ(stage.move({0.05, 0.3, 0.09}), Outcome::settled);
-  expect_centre(stage, {kOffset, 0.3, kOffset});
+  expect_centre(stage, {kStageOffset, 0.3, kStageOffset});
   ASSERT_EQ(stage.move({0.3, 0.3, -0.1}), Outcome::settled);
-  expect_centre(stage, {0.3, 0.3, kOffset});
+  expect_centre(stage, {0.3, 0.3, kStageOffset});
   // Into the opposite corner in one step.
   ASSERT_EQ(stage.move({1.1, 1.2, 1.3}), Outcome::settled);
-  expect_centre(stage, Vec3::Constant(1.0 - kOffset));
+  expect_centre(stage, Vec3::Constant(1.0 - kStageOffset));
 }
 
 // On the axis all positions round the edge are equally near: the centre keeps its angle, and turns to the device once that leaves the axis.
 TEST(SphereFollower, OnTheAxisOfAnEdgeItKeepsItsAngle) {
   // Within 2^-39 of the axis the device counts as on it; so near, rounding turns its direction by up to this angle.
   constexpr double kMaxTurn = 0x1p-53 / 0x1p-39;
-  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
+  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kStageOffset);
   stage.put(round_the_edge(0.3, 0.7, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.05, 0.7, 0.0)), Outcome::settled);
-  expect_centre(stage, round_the_edge(kOffset, 0.7, 0.0));
+  expect_centre(stage, round_the_edge(kStageOffset, 0.7, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.0, 0.0, 0.0)), Outcome::settled);
   const Vec3 held_centre = stage.centre();
-  EXPECT_LT((held_centre - round_the_edge(kOffset, 0.7, 0.0)).norm(), kMaxTurn * kOffset);
+  EXPECT_LT((held_centre - round_the_edge(kStageOffset, 0.7, 0.0)).norm(), kMaxTurn * kStageOffset);
   ASSERT_EQ(stage.move(round_the_edge(0.0, 0.0, 0.3)), Outcome::settled);
   expect_centre(stage, held_centre + Vec3(0.0, 0.3, 0.0));
   ASSERT_EQ(stage.move(round_the_edge(0.02, 0.2, 0.3)), Outcome::settled);
-  expect_centre(stage, round_the_edge(kOffset, 0.2, 0.3));
+  expect_centre(stage, round_the_edge(kStageOffset, 0.2, 0.3));
 }
 
 TEST(SphereFollower, AnEdgeIsLeftByAPullStraightThroughIt) {
-  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
+  Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kStageOffset);
   stage.put({0.45, 0.0, 0.8});
   ASSERT_EQ(stage.move({0.45, 0.0, 0.3}), Outcome::settled);
-  expect_centre(stage, {0.45, 0.0, 0.5 + kOffset});
+  expect_centre(stage, {0.45, 0.0, 0.5 + kStageOffset});
   // Past the edge and below: down the side at once.
   ASSERT_EQ(stage.move({0.51, 0.0, 0.3}), Outcome::settled);
-  expect_centre(stage, {0.5 + kOffset, 0.0, 0.3});
+  expect_centre(stage, {0.5 + kStageOffset, 0.0, 0.3});
 }
 
 TEST(SphereFollower, AnOpenSheetHoldsFromBothSides) {
   for (const double side : {1.0, -1.0}) {
-    Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
+    Stage stage(made::sheet(0.5, 0.0, 5), kStageOffset);
     stage.put({0.1, 0.2, 0.3 * side});
     ASSERT_EQ(stage.move({0.1, 0.2, -0.1 * side}), Outcome::settled);
-    expect_centre(stage, {0.1, 0.2, kOffset * side});
+    expect_centre(stage, {0.1, 0.2, kStageOffset * side});
     // Round its boundary and under it.
     ASSERT_EQ(stage.move({0.52, 0.2, -0.02 * side}), Outcome::settled);
     const Vec3 out = Vec3(0.02, 0.0, -0.02 * side).normalized();
-    expect_centre(stage, Vec3(0.5, 0.2, 0.0) + kOffset * out);
+    expect_centre(stage, Vec3(0.5, 0.2, 0.0) + kStageOffset * out);
     ASSERT_EQ(stage.move({0.3, 0.2, 0.1 * side}), Outcome::settled);
-    expect_centre(stage, {0.3, 0.2, -kOffset * side});
+    expect_centre(stage, {0.3, 0.2, -kStageOffset * side});
   }
 }
 
 TEST(SphereFollower, AOneSidedSheetLetsThroughFromBehind) {
-  Stage stage(made::sheet(0.5, 0.0, 5), kOffset, {.two_sided = false});
+  Stage stage(made::sheet(0.5, 0.0, 5), kStageOffset, {.two_sided = false});
   stage.put({0.1, 0.2, 0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.1}), Outcome::settled);
-  expect_centre(stage, {0.1, 0.2, kOffset});
+  expect_centre(stage, {0.1, 0.2, kStageOffset});
   stage.put({0.1, 0.2, -0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.05}), Outcome::settled);
   EXPECT_TRUE(stage.follower->is_free());
@@ -196,15 +196,15 @@ TEST(SphereFollower, AOneSidedSheetLetsThroughFromBehind) {
 }
 
 TEST(SphereFollower, TakesOverACentreInContactAndNoneThatIsTooNear) {
-  Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
+  Stage stage(made::sheet(0.5, 0.0, 5), kStageOffset);
   const double short_by = 0x1p-36;
-  const Vec3 place = stage.geometry.to_local({0.1, 0.2, kOffset});
+  const Vec3 place = stage.geometry.to_local({0.1, 0.2, kStageOffset});
   ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * Vec3::UnitZ(), false, short_by));
   EXPECT_GE(stage.follower->work(), 2) << "it gathers and lifts";
   EXPECT_TRUE(stage.follower->is_tracking());
   stage.device = place;
   ASSERT_EQ(stage.move({0.12, 0.2, -0.1}), Outcome::settled);
-  expect_centre(stage, {0.12, 0.2, kOffset});
+  expect_centre(stage, {0.12, 0.2, kStageOffset});
   EXPECT_FALSE(stage.follower->start(place - 3.0 * short_by * Vec3::UnitZ(), false, short_by));
   EXPECT_FALSE(stage.follower->is_tracking());
 }
@@ -220,11 +220,11 @@ TEST(SphereFollower, TakesOverACentreBetweenWallsThatItTouches) {
     TriangleMesh ordered = mesh;
     ordered.triangles.insert(ordered.triangles.begin() + static_cast<std::ptrdiff_t>(end_wall), {6, 8, 7});
     for (const bool is_in_floor : {false, true}) {
-      Stage stage(ordered, kOffset);
+      Stage stage(ordered, kStageOffset);
       const Vec3& other = is_in_floor ? wall_normal : floor_normal;
       const Vec3& out = is_in_floor ? floor_normal : wall_normal;
       const double short_by = 0x1p-36;
-      const Vec3 place = stage.geometry.to_local({kOffset / std::tan(0.5 * kAngle), kOffset, kOffset});
+      const Vec3 place = stage.geometry.to_local({kStageOffset / std::tan(0.5 * kAngle), kStageOffset, kStageOffset});
       const Vec3 along_other = (out - other.dot(out) * other).normalized();
       ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * along_other, false, short_by)) << end_wall;
       EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
@@ -339,7 +339,7 @@ TEST(SphereFollower, TheWorkOfAHostileMotionIsBoundedAndItGoesOnUntilItHasSettle
 
 // Far beyond the scene, only the direction of the device, seen from the centre, counts.
 TEST(SphereFollower, ADeviceFarOutIsFollowed) {
-  Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
+  Stage stage(made::sheet(0.5, 0.0, 5), kStageOffset);
   stage.put({0.1, 0.2, 0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.1}), Outcome::settled);
   const double height = stage.follower->centre().z();
@@ -382,7 +382,7 @@ TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
 }
 
 TEST(SphereFollower, ADeviceThatIsNotFiniteFailsAndChangesNothing) {
-  Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
+  Stage stage(made::sheet(0.5, 0.0, 5), kStageOffset);
   stage.put({0.1, 0.2, 0.3});
   ASSERT_EQ(stage.move({0.1, 0.2, -0.1}), Outcome::settled);
   const Vec3 centre = stage.follower->centre();

@@ -35,7 +35,7 @@ TEST(SphereFollowerWithFriction, SticksExactlyInsideTheCone) {
 
 // Over a sheet of many faces the sphere moves as a point on a plane does, in closed form.
 TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
-  Stage stage(made::sheet(0.5, 0.0, 13), kOffset, kRubbing);
+  Stage stage(made::sheet(0.5, 0.0, 13), kStageOffset, kRubbing);
   stage.put({0.03, 0.02, 0.4});
   ASSERT_EQ(stage.move({0.03, 0.02, 0.0}), Outcome::settled);
   FrictionDrag expected;
@@ -45,13 +45,13 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
     const Vec3 motion(to.x() - device.x(), to.y() - device.y(), 0.0);
     expected = drag_by_friction({.pull = expected.pull,
                                  .motion = motion,
-                                 .pressure_start = kOffset - device.z(),
-                                 .pressure_end = kOffset - to.z(),
+                                 .pressure_start = kStageOffset - device.z(),
+                                 .pressure_end = kStageOffset - to.z(),
                                  .friction_static = kRubbing.friction_static,
                                  .friction_dynamic = kRubbing.friction_dynamic,
                                  .sliding = expected.sliding});
     ASSERT_EQ(stage.move(to), Outcome::settled);
-    ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kOffset) - expected.pull)).norm(), 1e-11) << "step " << i;
+    ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kStageOffset) - expected.pull)).norm(), 1e-11) << "step " << i;
     ASSERT_EQ(stage.follower->slides(), expected.sliding) << "step " << i;
     device = to;
   }
@@ -60,7 +60,7 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
 // A flight ends the slide, even if the sphere slides off one surface and lands on another within one motion of the device.
 TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
   constexpr Material kGripping{.friction_static = 0.8, .friction_dynamic = 0.3};
-  Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kOffset, kGripping);
+  Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kStageOffset, kGripping);
   stage.put({-0.3, 0.11, 0.2});
   ASSERT_EQ(stage.move({-0.3, 0.11, 0.05}), Outcome::settled);
   ASSERT_EQ(stage.move({-0.2, 0.11, 0.05}), Outcome::settled);
@@ -82,7 +82,7 @@ TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
   const auto late = made::shared(scaled_and_moved(made::sheet(0.02, 0.0, 2), 1.0, Vec3(0.07, 0.0, 0.13)));
   TouchGeometry geometry({sheet, late}, BuildPolicy::on_approach, std::nullopt, Box{Vec3::Constant(-1.0), Vec3::Constant(1.0)});
   const std::vector<Material> materials{kRubbing, kRubbing};
-  SphereFollower follower(geometry, materials, kOffset / geometry.unit_m());
+  SphereFollower follower(geometry, materials, kStageOffset / geometry.unit_m());
   const auto build_next = [&](double range) {
     geometry.request_ahead(follower.centre(), range);
     ASSERT_TRUE(geometry.build_requested());
@@ -111,16 +111,16 @@ TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
 TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   TriangleMesh room = made::box(Vec3::Zero(), Vec3::Ones());
   for (Triangle& triangle : room.triangles) std::swap(triangle[1], triangle[2]);
-  Stage stage(room, kOffset, {.friction_static = 0.3, .friction_dynamic = 0.2, .two_sided = false});
+  Stage stage(room, kStageOffset, {.friction_static = 0.3, .friction_dynamic = 0.2, .two_sided = false});
   stage.put({0.4, 0.5, 0.6});
   ASSERT_EQ(stage.move({-0.1, -0.2, -0.3}), Outcome::settled);
   ASSERT_EQ(stage.move({-1.0, -1.0, -1.0}), Outcome::settled);
-  expect_centre(stage, Vec3::Constant(kOffset));
+  expect_centre(stage, Vec3::Constant(kStageOffset));
   ASSERT_EQ(stage.follower->contacts().size(), 3U);
   // Along one edge of the room: the centre stays behind by mu times the depth.
   ASSERT_EQ(stage.move({-0.2, 0.6, -0.3}), Outcome::settled);
   const double pull = 0.2 * std::hypot(0.3, 0.4);
-  EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - pull, kOffset)).norm(), 1e-11) << stage.centre().transpose();
+  EXPECT_LT((stage.centre() - Vec3(kStageOffset, 0.6 - pull, kStageOffset)).norm(), 1e-11) << stage.centre().transpose();
   EXPECT_TRUE(stage.follower->slides());
   // The device goes a little back: the centre stays.
   const Vec3 held_centre = stage.follower->centre();
@@ -282,14 +282,15 @@ TEST(SphereFollowerWithFriction, AMotionAlongAnEdgeThatIsOnlyJustTouchedIsLeftTo
   TriangleMesh fin;
   fin.vertices = {{-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, -1.0}};
   fin.triangles = {{0, 1, 2}};
-  Stage stage(fin, kOffset, kRubbing);
-  stage.put({-0.9, 0.0, 1.5 * kOffset});
-  ASSERT_EQ(stage.move({-0.9, 0.0, kOffset - kShallowDepth}), Outcome::settled);
+  Stage stage(fin, kStageOffset, kRubbing);
+  stage.put({-0.9, 0.0, 1.5 * kStageOffset});
+  ASSERT_EQ(stage.move({-0.9, 0.0, kStageOffset - kShallowDepth}), Outcome::settled);
   const std::uint64_t events = stage.follower->events();
   double time = 0.0;
   Outcome outcome = Outcome::exhausted;
   for (int i = 0; i < 1000 && outcome == Outcome::exhausted; ++i)
-    outcome = stage.follower->follow(stage.device, stage.geometry.to_local({0.9, 1e-3 * kShallowDepth, kOffset - kShallowDepth}), time);
+    outcome =
+        stage.follower->follow(stage.device, stage.geometry.to_local({0.9, 1e-3 * kShallowDepth, kStageOffset - kShallowDepth}), time);
   EXPECT_EQ(outcome, Outcome::failed);
   EXPECT_LE(stage.follower->events() - events, 300U);
 }

@@ -68,7 +68,7 @@ struct Stage {
   Vec3 device = Vec3::Zero();
 };
 
-constexpr double kOffset = 0.1;
+constexpr double kStageOffset = 0.1;
 constexpr double kCentreTolerance = 1e-11;  // larger than the slop and than the shift of borders
 constexpr double kSlop = 0x1p-40;
 

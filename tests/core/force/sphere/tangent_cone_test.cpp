@@ -13,9 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-Vec3 random_direction(std::mt19937_64& random) {
+Vec3 drawn_direction(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return Vec3(normal(random), normal(random), normal(random)).normalized();
 }
@@ -47,8 +45,8 @@ TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
     int edges = 0;
     for (const TangentCone::Piece& piece : cone.boundary()) {
       EXPECT_LE(piece.normal.dot(piece.from), 1e-12);
-      if (std::fabs(piece.opening - kPi) < 1e-9) continue;  // a diagonal, or where the walk began
-      EXPECT_NEAR(piece.opening, side > 0.0 ? 1.5 * kPi : 0.5 * kPi, 1e-12);
+      if (std::fabs(piece.opening - std::numbers::pi) < 1e-9) continue;  // a diagonal, or where the walk began
+      EXPECT_NEAR(piece.opening, side > 0.0 ? 1.5 * std::numbers::pi : 0.5 * std::numbers::pi, 1e-12);
       ++edges;
     }
     EXPECT_EQ(edges, 3);
@@ -67,7 +65,7 @@ TEST(TangentCone, OfOneTriangleGoesAlongBothItsSides) {
     opening = std::max(opening, piece.opening);
   }
   EXPECT_TRUE(has_above && has_below);
-  EXPECT_NEAR(opening, 2.0 * kPi, 1e-12);
+  EXPECT_NEAR(opening, 2.0 * std::numbers::pi, 1e-12);
 }
 
 // Three large triangles that share no vertex and cross at one point: the boundary is that of the octant that the point is in.
@@ -91,7 +89,7 @@ TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
       }
       turned_rad += std::acos(std::clamp(piece.from.dot(piece.to), -1.0, 1.0));
     }
-    EXPECT_NEAR(turned_rad, 1.5 * kPi, 1e-6) << octant;
+    EXPECT_NEAR(turned_rad, 1.5 * std::numbers::pi, 1e-6) << octant;
   }
 }
 
@@ -103,17 +101,17 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> height(-0.9, 0.9);
   for (int round = 0; round < 300; ++round) {
-    const Vec3 apex = random_direction(random);
+    const Vec3 apex = drawn_direction(random);
     const int spokes = 4 + static_cast<int>(random() % 9);
     std::vector<Vec3> ends;
     for (int i = 0; i < spokes; ++i) {
-      const double angle = 2.0 * kPi * i / spokes;
+      const double angle = 2.0 * std::numbers::pi * i / spokes;
       ends.emplace_back(apex + Vec3(std::cos(angle), std::sin(angle), height(random)));
     }
     std::vector<ContactTriangle> fan;
     for (int i = 0; i < spokes; ++i)
       fan.emplace_back(apex, ends[static_cast<std::size_t>(i)], ends[static_cast<std::size_t>((i + 1) % spokes)]);
-    const Vec3 pull = random_direction(random);
+    const Vec3 pull = drawn_direction(random);
     double steepest = -1.0;
     for (const ContactTriangle& triangle : fan) {
       for (int k = 0; k <= 1000; ++k) {
@@ -138,8 +136,8 @@ TEST(TangentCone, SteepestDirectionsLieInTheirPieceWhereThePullIsNormalToIt) {
   SCOPED_TRACE(kSeed);
   std::mt19937_64 random(kSeed);
   for (int round = 0; round < 2000; ++round) {
-    const Vec3 normal = random_direction(random);
-    const Vec3 u = normal.cross(random_direction(random)).normalized();
+    const Vec3 normal = drawn_direction(random);
+    const Vec3 u = normal.cross(drawn_direction(random)).normalized();
     const Vec3 v = normal.cross(u);
     TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(5.0 * u, -4.0 * u + 6.0 * v, -4.0 * u - 7.0 * v)});
     ASSERT_TRUE(cone.find_boundary(normal));
@@ -187,7 +185,7 @@ TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
   ASSERT_TRUE(cone.find_boundary(Vec3(0.707113, 0.707101, 0.0).normalized()));
   EXPECT_LE(cone.boundary().size(), 10U);
   int edges = 0;
-  for (const TangentCone::Piece& piece : cone.boundary()) edges += std::fabs(piece.opening - kPi) > 1e-6 ? 1 : 0;
+  for (const TangentCone::Piece& piece : cone.boundary()) edges += std::fabs(piece.opening - std::numbers::pi) > 1e-6 ? 1 : 0;
   EXPECT_EQ(edges, 3);
 }
 
@@ -287,7 +285,7 @@ TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
     constexpr int kCorners = 9;
     std::vector<Vec3> ring;
     for (int i = 0; i < kCorners; ++i) {
-      const double angle = 2.0 * kPi * (i + 0.3 * unit(random)) / kCorners;
+      const double angle = 2.0 * std::numbers::pi * (i + 0.3 * unit(random)) / kCorners;
       const double radius = 1.5 + 1.2 * unit(random);
       ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 1.0);
     }
@@ -315,7 +313,7 @@ TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
     TangentCone cone = cone_of(Vec3::Zero(), triangles);
     ASSERT_TRUE(cone.find_boundary(turn * (from_within ? Vec3(0.0, 0.0, 1.0) : Vec3(0.0, 0.0, -1.0))));
     for (int i = 0; i < 50; ++i) {
-      const Vec3 d = random_direction(random);
+      const Vec3 d = drawn_direction(random);
       const bool expected = is_within(d) == from_within;
       EXPECT_EQ(cone.contains(turn * d), expected) << "run " << run << " direction " << d.transpose();
       ++(expected ? inside : outside);
