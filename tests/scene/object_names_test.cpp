@@ -32,7 +32,9 @@ TEST(ObjectNames, OfAMeshFileIsTheFilesOwn) {
 // Names are shown in a terminal, which obeys control characters.
 TEST(ObjectNames, AreShownWithoutWhatATerminalWouldObey) {
   const std::vector<ObjectName> names = {{"a\x1b[2J", "b\n"}};
-  for (const char c : describe_object(names, 0)) EXPECT_GE(c, ' ');
+  const std::string shown = describe_object(names, 0);
+  EXPECT_EQ(shown, "a?[2J (b?)");
+  for (const char c : shown) EXPECT_GE(c, ' ');
 }
 
 }  // namespace
