@@ -16,9 +16,9 @@ TEST(Carve, RoundedHasNumbersThatAFloatCanHold) {
     EXPECT_EQ(rounded_carve.from_m[k], static_cast<double>(static_cast<float>(carve.from_m[k])));
     EXPECT_EQ(rounded_carve.to_m[k], static_cast<double>(static_cast<float>(carve.to_m[k])));
   }
-  EXPECT_EQ(rounded_carve.radius_m, static_cast<double>(0.004F));
   EXPECT_EQ(rounded(rounded_carve), rounded_carve);
   EXPECT_FALSE(rounded_carve == carve);
+  EXPECT_FALSE(rounded_carve == (Carve{rounded_carve.from_m, rounded_carve.to_m, carve.radius_m})) << "differs in the radius alone";
 }
 
 }  // namespace
