@@ -67,15 +67,26 @@ TEST(ToolMaterialChange, ForceAndTorqueFade) {
 }
 
 TEST(ToolMaterialChange, InTheAirNothingIsLeftToFade) {
-  TiltedBox box;
-  for (int n = 0; n < 20; ++n) box.press(0.05);
+  // The lowest edge of the box is 0.01 mm above the sheet, where the tool already knows that it is near, and then below it.
+  constexpr double kAboveM = 0.01096, kTouchingM = 0.0105;
+  TiltedBox box, hard;
+  for (int n = 0; n < 20; ++n) {
+    EXPECT_FALSE(box.press(kAboveM).contact);
+    EXPECT_FALSE(hard.press(kAboveM).contact);
+  }
   box.step.set_materials(std::vector<Material>(1), soft());
-  EXPECT_FALSE(box.press(0.05).contact);
-  for (int n = 0; n < 60; ++n) box.press(0.014 - 1e-4 * n);
-  TiltedBox hard;
-  for (int n = 0; n < 20; ++n) hard.press(0.05);
-  for (int n = 0; n < 60; ++n) hard.press(0.014 - 1e-4 * n);
+  // The first sample after the change is in contact: a fade would begin here.
+  for (int n = 0; n < 20; ++n) {
+    const ForceCommand now = box.press(kTouchingM), of_hard = hard.press(kTouchingM);
+    ASSERT_GT(of_hard.force_n.norm(), 0.1) << n;
+    EXPECT_LT((now.force_n - 0.4 * of_hard.force_n).norm(), 1e-6) << n;
+    EXPECT_LT((now.torque_nm - 0.4 * of_hard.torque_nm).norm(), 1e-8) << n;
+  }
   EXPECT_LT((box.rest().force_n - 0.4 * hard.rest().force_n).norm(), 1e-6);
+  TiltedBox lifted;
+  for (int n = 0; n < 20; ++n) lifted.press(0.05);
+  lifted.step.set_materials(std::vector<Material>(1), soft());
+  EXPECT_FALSE(lifted.press(0.05).contact);
 }
 
 TEST(ToolMaterialChange, UsesNoHeap) {
