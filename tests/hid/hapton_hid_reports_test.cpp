@@ -202,7 +202,10 @@ TEST(HaptonHidReports, AnotherVersionAndAForeignDeviceAreDistinguished) {
   EXPECT_THAT(decode_limits(report).error().what, HasSubstr("version 2"));
   report[4] = 'X';
   EXPECT_THAT(decode_limits(report).error().what, HasSubstr("does not say HAPT"));
-  EXPECT_FALSE(decode_limits(Bytes(63, 3)));
+  report = feature(kLimitsId);
+  ASSERT_TRUE(decode_limits(report));
+  report.pop_back();
+  EXPECT_FALSE(decode_limits(report)) << "a byte too short";
   EXPECT_FALSE(decode_names(Bytes(57, 4)));
 }
 
