@@ -71,7 +71,22 @@ TEST(StiffnessAdviser, AdvisesTheSmallestStiffnessOfSeveralDevices) {
   facts.device = {'o', 'p', 'e', 'n', 'h', 'a', 'p', 't', 'i', 'c', 's'};
   const auto advice = advise_stiffness(facts);
   ASSERT_TRUE(advice);
-  EXPECT_LE(advice->safe_n_per_m, advise_stiffness(kSimulated)->safe_n_per_m);
+  double least = HUGE_VAL;
+  double least_of_loop = HUGE_VAL;
+  const std::vector<const DevicePreset*> devices = presets_of_device("openhaptics");
+  for (const DevicePreset* device : devices) {
+    for (const char* hand : {"light", "stylus", "arm", "firm"}) {
+      const Recommendation one = recommend_stiffness(device->model, device->limits, *find_hand_preset(hand), facts.servo_rate_hz,
+                                                     static_cast<double>(facts.round_trip_s));
+      least = std::min(least, one.stiffness_n_per_m);
+      least_of_loop = std::min(least_of_loop, one.stable_n_per_m / kGainMargin);
+    }
+  }
+  EXPECT_EQ(advice->safe_n_per_m, least);
+  EXPECT_EQ(advice->loop_n_per_m, least_of_loop);
+  // Otherwise the smallest could not be distinguished from the first or the last.
+  EXPECT_NE(advice->by_stiffness.device, devices.front()->title);
+  EXPECT_NE(advice->by_stiffness.device, devices.back()->title);
 }
 
 TEST(StiffnessAdviser, HasNoAdviceOnWhatItDoesNotKnow) {
