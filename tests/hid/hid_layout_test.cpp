@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
@@ -158,7 +159,9 @@ TEST(HidLayout, AnyBytesAreSafeAndNoReportIsHuge) {
   for (int trial = 0; trial < 20'000; ++trial) {
     Bytes bytes(random() % 96);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
-    for (const HidLayout::Report& report : read_hid_layout(bytes).reports) EXPECT_LE(report.input_bytes, std::size_t{1} << 16);
+    for (const HidLayout::Report& report : read_hid_layout(bytes).reports) {
+      EXPECT_LE(std::max({report.input_bytes, report.output_bytes, report.feature_bytes}), std::size_t{1} << 16);
+    }
   }
 }
 
