@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "runtime/clock.h"
 #include "tests/support/scratch_folder.h"
@@ -17,8 +18,10 @@ namespace {
 
 // Which devices this machine has is not known; the guest of deploy/hid-test has devices. These tests check that the calls return, and that
 // each error is one line.
-TEST(HidapiTransport, ListsWhatThereIsWithoutPermissions) {
-  for (const HidDescription& device : list_hid_devices()) EXPECT_EQ(device.path.rfind("/dev/", 0), 0U);
+TEST(HidapiTransport, EachListedDeviceHasANodeInDev) {
+  const std::vector<HidDescription> devices = list_hid_devices();
+  if (devices.empty()) GTEST_SKIP() << "this machine has no HID devices";
+  for (const HidDescription& device : devices) EXPECT_EQ(device.path.rfind("/dev/", 0), 0U) << device.path;
 }
 
 TEST(HidapiTransport, ReadsTheDescriptorOfTheNodesOwnName) {
