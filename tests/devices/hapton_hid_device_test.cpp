@@ -223,7 +223,15 @@ TEST_F(HaptonHid, WithImpossibleLimitsIsRejected) {
   EXPECT_THAT(open().error().what, HasSubstr("watchdog takes 2000 ms"));
   hid_.set_feature(HAPTON_HID_LIMITS_ID, {HAPTON_HID_LIMITS_ID});
   EXPECT_THAT(open().error().what, HasSubstr("HAPT"));
+}
+
+TEST_F(HaptonHid, UnpluggedBeforeItHasStatedItsLimitsIsRejected) {
+  const auto transport = hid_.opener()();
+  ASSERT_TRUE(transport);
   hid_.unplug();
+  const auto opened = backend_.on_open(**transport);
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().what, HasSubstr("no such feature report"));
 }
 
 TEST_F(HaptonHid, AnyBytesAreSafeBeforeAndAfterItWasOpened) {
