@@ -29,8 +29,10 @@ TEST(LargeVector, HoldsWhatIsPutIn) {
 }
 
 TEST(LargeVector, BeginsAtALargePageOnceItHasTwo) {
-  const LargeVector<std::uint8_t> large(2 * kLargePage + 1);
-  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(large.data()) % kLargePage, 0U);
+  for (const std::size_t bytes : {2 * kLargePage, 2 * kLargePage + 1}) {
+    const LargeVector<std::uint8_t> large(bytes);
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(large.data()) % kLargePage, 0U) << bytes;
+  }
   struct alignas(64) Line {
     std::uint8_t bytes[64];
   };
@@ -73,18 +75,19 @@ bool takes_advice(void* memory, std::size_t bytes, int advice) { return ::madvis
 
 // The memory is filled before it is returned: each of its pages is resident.
 TEST(LargeVector, IsFilledBeforeItIsReturned) {
-  constexpr std::size_t kBytes = 8 * kLargePage;
   void* const probe = ::mmap(nullptr, 2 * kLargePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(probe, MAP_FAILED);
   const bool is_possible = takes_advice(probe, 2 * kLargePage, MADV_HUGEPAGE) && takes_advice(probe, 2 * kLargePage, MADV_POPULATE_WRITE);
   ::munmap(probe, 2 * kLargePage);
   if (!is_possible) GTEST_SKIP() << "this system has no large pages for programs";
-  void* const memory = allocate_large(kBytes, 8);
-  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  std::vector<unsigned char> residency(kBytes / page);
-  ASSERT_EQ(::mincore(memory, kBytes, residency.data()), 0);
-  EXPECT_EQ(std::count_if(residency.begin(), residency.end(), [](unsigned char one) { return (one & 1U) == 0; }), 0);
-  free_large(memory, kBytes, 8);
+  for (const std::size_t bytes : {2 * kLargePage, 8 * kLargePage}) {
+    void* const memory = allocate_large(bytes, 8);
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    std::vector<unsigned char> residency(bytes / page);
+    ASSERT_EQ(::mincore(memory, bytes, residency.data()), 0);
+    EXPECT_EQ(std::count_if(residency.begin(), residency.end(), [](unsigned char one) { return (one & 1U) == 0; }), 0) << bytes;
+    free_large(memory, bytes, 8);
+  }
 }
 #endif
 

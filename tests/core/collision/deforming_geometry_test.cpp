@@ -72,6 +72,28 @@ TEST(DeformingGeometry, FindsEveryTriangleAtEachTime) {
   }
 }
 
+// The sheet rises and sinks again by less than an edge, so that it has only one tree.
+TEST(DeformingGeometry, ATreeHoldsTheShapesAtKeysWithinItsTime) {
+  constexpr double kRise = 0.006;
+  const auto mesh = made::shared(made::sheet(0.05, 0.0, 4));
+  MorphTarget up;
+  for (std::uint32_t v = 0; v < mesh->vertices.size(); ++v) {
+    up.vertices.push_back(v);
+    up.displacements.emplace_back(0, 0, kRise);
+  }
+  const auto deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{up},
+                                                                   std::vector<MorphKey>{{0.0, {0.0}}, {0.5, {1.0}}, {1.0, {0.0}}}, false);
+  TouchGeometry geometry(std::vector<std::shared_ptr<const TriangleMesh>>{mesh}, BuildPolicy::to_deform, std::nullopt,
+                         bounds_of_all_shapes(*mesh, *deformation));
+  DeformingGeometry deforming(geometry, mesh, deformation);
+  ASSERT_EQ(deforming.tree_count(), 1U);
+  deforming.shape(0.5);
+  const Box slab{geometry.to_local(Vec3(-0.05, -0.05, 0.9 * kRise)), geometry.to_local(Vec3(0.05, 0.05, 1.1 * kRise))};
+  std::size_t found = 0;
+  geometry.for_each_overlapping(slab, [&](std::uint32_t) { ++found; });
+  EXPECT_EQ(found, mesh->triangles.size());
+}
+
 // A deformation that is never at the rest shape.
 TEST(DeformingGeometry, TheBoundsHoldTheMeshAtRestAsWell) {
   const TriangleMesh sheet = made::sheet(0.05, 0.0, 2);
