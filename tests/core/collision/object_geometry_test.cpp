@@ -131,8 +131,20 @@ TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {
   constexpr double kCrease = 0.7;
   const ObjectGeometry rounded(mesh, {}, kCrease);
   for (std::uint32_t t = 0; t < rounded.triangle_count(); ++t) {
-    const Vec3& corner = rounded.corner(t, 1);
-    EXPECT_LT((rounded.smooth_normal(t, corner) - corner.normalized()).norm(), 1e-6);
+    const Vec3& a = rounded.corner(t, 0);
+    const Vec3& b = rounded.corner(t, 1);
+    const Vec3& c = rounded.corner(t, 2);
+    const auto expect_normal = [&](const Vec3& at, const Vec3& expected) {
+      EXPECT_LT((rounded.smooth_normal(t, at) - expected.normalized()).norm(), 1e-6);
+    };
+    for (const Vec3& corner : {a, b, c}) expect_normal(corner, corner);
+    const Vec3 inside = 0.2 * a + 0.3 * b + 0.5 * c;
+    expect_normal(inside, 0.2 * a.normalized() + 0.3 * b.normalized() + 0.5 * c.normalized());
+    // Rounding may put the point a little beside the triangle.
+    expect_normal(1.5 * a - 0.25 * (b + c), a);
+    expect_normal(1.5 * b - 0.5 * a, b);
+    expect_normal(1.5 * c - 0.5 * a, c);
+    expect_normal(0.7 * b + 0.5 * c - 0.2 * a, 0.7 * b.normalized() + 0.3 * c.normalized());
   }
   for (auto& normals : mesh.authored_normals) normals = {-normals[0], -normals[1], -normals[2]};
   const ObjectGeometry sharp(mesh, {}, kCrease);
@@ -140,6 +152,20 @@ TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {
     const Vec3 normal = sharp.smooth_normal(t, sharp.corner(t, 1));
     EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-6) << "turned inwards, they are not valid";
   }
+}
+
+TEST(ObjectGeometry, ATriangleWithoutAreaHasNoSmoothNormal) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}};
+  const ObjectGeometry object(mesh, {}, 0.7);
+  int without_area = 0;
+  for (std::uint32_t t = 0; t < object.triangle_count(); ++t) {
+    const bool has_area = object.corner(t, 0).y() + object.corner(t, 1).y() + object.corner(t, 2).y() > 0.0;
+    without_area += has_area ? 0 : 1;
+    EXPECT_EQ(object.smooth_normal(t, Vec3(0.25, 0, 0)), has_area ? Vec3::UnitZ().eval() : Vec3::Zero().eval());
+  }
+  EXPECT_EQ(without_area, 1);
 }
 
 TEST(ObjectGeometry, WithAnotherOriginItIsTheSameSurface) {
