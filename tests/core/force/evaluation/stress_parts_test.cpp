@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
 
 #include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
 #include "core/geometry/point_in_mesh.h"
 
 namespace hapton {
@@ -52,6 +56,62 @@ TEST(StressParts, AnOpenFrontHasBoundariesAndFlippedTriangles) {
     EXPECT_GT(edges.boundary, 100U) << "seed " << seed;
     EXPECT_GT(edges.inconsistent, 0U) << "seed " << seed;
   }
+}
+
+// Of the outer surface of an open front.
+double height_above_front(const Vec3& p) {
+  const double across = 20.0 * p.x();
+  const double along = p.y() / 0.03;
+  const double bulge = 0.035 * (1.0 - 0.6 * across * across) * (1.0 - 0.5 * along * along * along * along);
+  return p.z() - (bulge - 0.002 * std::fabs(along - 0.2 * across));
+}
+
+// The upper ends of the ribs are up to 1 mm above or below the outer surface, the centres of the lamps 2 mm above to 6 mm below.
+TEST(StressParts, RibsAndLampsOfAnOpenFrontGoThroughItsOuterSurface) {
+  const std::size_t lamp_size = make_icosphere(0.006, 2).vertices.size();
+  std::array<double, 2> least{1.0, 1.0};
+  std::array<double, 2> most{-1.0, -1.0};
+  double least_lean = 1.0;
+  double most_lean = -1.0;
+  double lowest_lamp = 1.0;
+  double highest_lamp = -1.0;
+  for (const std::uint64_t seed : kSeeds) {
+    const TriangleMesh front = make_open_front(seed);
+    const auto lamps = front.vertices.end() - static_cast<std::ptrdiff_t>(2 * lamp_size);
+    for (auto rib = lamps - 3 * 4; rib != lamps; rib += 4) {
+      for (int end = 0; end < 2; ++end) {
+        EXPECT_NEAR(rib[end].y(), end == 0 ? -0.024 : 0.024, 1e-15);
+        least[end] = std::min(least[end], height_above_front(rib[end]));
+        most[end] = std::max(most[end], height_above_front(rib[end]));
+        EXPECT_LT((rib[3 - end] - rib[end] + Vec3(0, 0, 0.02)).norm(), 1e-15);
+      }
+      EXPECT_LE(std::fabs(rib[0].x()), 0.04);
+      least_lean = std::min(least_lean, rib[1].x() - rib[0].x());
+      most_lean = std::max(most_lean, rib[1].x() - rib[0].x());
+    }
+    for (int i = 0; i < 2; ++i) {
+      const auto first = lamps + static_cast<std::ptrdiff_t>(i * lamp_size);
+      const Vec3 centre = std::accumulate(first, first + static_cast<std::ptrdiff_t>(lamp_size), Vec3::Zero().eval()) / lamp_size;
+      EXPECT_NEAR(std::fabs(centre.x()), 0.035, 1e-12);
+      lowest_lamp = std::min(lowest_lamp, height_above_front(centre));
+      highest_lamp = std::max(highest_lamp, height_above_front(centre));
+    }
+  }
+  constexpr double kRounding = 1e-12;
+  for (int end = 0; end < 2; ++end) {
+    EXPECT_GE(least[end], -0.001 - kRounding);
+    EXPECT_LT(least[end], -0.0005);
+    EXPECT_GT(most[end], 0.0005);
+    EXPECT_LE(most[end], 0.001 + kRounding);
+  }
+  EXPECT_GE(least_lean, -0.01 - kRounding);
+  EXPECT_LT(least_lean, -0.005);
+  EXPECT_GT(most_lean, 0.005);
+  EXPECT_LE(most_lean, 0.01 + kRounding);
+  EXPECT_GE(lowest_lamp, -0.006 - kRounding);
+  EXPECT_LT(lowest_lamp, -0.003);
+  EXPECT_GT(highest_lamp, 0.0);
+  EXPECT_LE(highest_lamp, 0.002 + kRounding);
 }
 
 TEST(StressParts, TouchingPartsAreClosedAndTouchExactly) {
