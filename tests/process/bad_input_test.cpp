@@ -236,6 +236,7 @@ const std::vector<BadCall> kTools = {
      "--friction-static"},
     {"PressOfAWallThatIsNone", "hapton", {"loop", "press", "--device", "touch", "--stiffness", "1e-300"}, "give less force"},
     {"PressAmplifierIsAbsurd", "hapton", {"loop", "press", "--device", "touch", "--amplifier", "1e30"}, "--amplifier"},
+    {"StressBodyIsNotKnown", "hapton", {"stress", "--body", "groove"}, "--body: 'groove' is not known"},
     {"StressFarOut", "hapton", {"stress", "--body", "box", "--steps", "100", "--offset", "1e30"}, "--offset"},
     {"ReplayTrajectoryFarOut",
      "hapton",

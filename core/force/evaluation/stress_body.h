@@ -21,7 +21,7 @@ struct StressBody {
 // The names of all generated bodies; longest side about 0.1 m, centred at the origin.
 std::span<const std::string_view> stress_body_names();
 
-// The generated body of that name. Pre: a name from that list; another gives a body without triangles.
+// The generated body of that name, or a body without triangles if the list does not have the name.
 StressBody make_stress_body(std::string_view name);
 
 // A body from another mesh. If it is closed, `solid` is the same mesh; otherwise `solid` is empty.
