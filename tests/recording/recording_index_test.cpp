@@ -1,5 +1,6 @@
 #include "recording/recording_index.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "tests/recording/made_recording.h"
+#include "tests/support/one_line.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -340,12 +342,14 @@ TEST(RecordingIndex, ARecordingWithoutSamplesIsAnErrorInOneLine) {
   auto index = RecordingIndex::read(*reader);
   ASSERT_FALSE(index);
   EXPECT_NE(index.error().what.find("no sample"), std::string::npos);
+  EXPECT_THAT(index.error().what, IsOneLine());
   MadeRecording old;
   old.has_device = false;
   reader = SessionReader::open(old.write(scratch));
   index = RecordingIndex::read(*reader);
   ASSERT_FALSE(index);
   EXPECT_NE(index.error().what.find("older recording"), std::string::npos);
+  EXPECT_THAT(index.error().what, IsOneLine());
 }
 
 // In a hostile file any number may be in the place of a time.

@@ -5,11 +5,13 @@
 
 #include <cstdint>
 
+#include "tests/support/one_line.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 nlohmann::ordered_json report(double p50_us, int lost) {
@@ -62,7 +64,7 @@ TEST(LatencyCompare, AValueOfAnotherTypeIsRejectedInOneLine) {
                           R"({"schema": "hapton.report/4", "hops": {}, "notes": {"reach": 7}})"}) {
     const auto read = read_report_json(folder.write("bad.json", bad));
     ASSERT_FALSE(read) << bad;
-    EXPECT_THAT(read.error().what, HasSubstr("bad.json: is not a latency report")) << bad;
+    EXPECT_THAT(read.error().what, AllOf(HasSubstr("bad.json: is not a latency report"), IsOneLine())) << bad;
   }
   // A null stands for a ratio that is not finite.
   EXPECT_TRUE(read_report_json(folder.write("good.json", R"({"schema": "hapton.report/4", "hops": {}, "ratios": {"x": null}})")));

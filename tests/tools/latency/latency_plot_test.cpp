@@ -8,9 +8,12 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/support/one_line.h"
+
 namespace hapton {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::vector<HopCounts> kHops = {{"round_trip", {{10000, 11000, 5}, {20000, 22000, 5}}}, {"bare_echo", {{8000, 9000, 10}}}};
@@ -71,7 +74,7 @@ TEST_F(LatencyPlotTest, WithoutATableOneLineSaysWhereItShouldBe) {
   std::filesystem::remove(folder_ / "latency.csv");
   const auto picture = draw_latency_plot(folder_);
   ASSERT_FALSE(picture);
-  EXPECT_THAT(picture.error().what, HasSubstr("latency.csv"));
+  EXPECT_THAT(picture.error().what, AllOf(HasSubstr("latency.csv"), IsOneLine()));
 }
 
 }  // namespace

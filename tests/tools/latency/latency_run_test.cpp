@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "runtime/report.h"
+#include "tests/support/one_line.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/tools/reporting_hub.h"
 #include "tools/latency/latency_compare.h"
@@ -18,6 +19,7 @@
 namespace hapton {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kForever = 1e6;  // s: a test that waits for so long fails by its time limit
@@ -80,7 +82,7 @@ TEST(LatencyRunOfAHub, AReportWithOtherTypesIsRejectedInOneLine) {
     const ReportingHub hub([&](int) { return HubReport{wrong, "hop,lower_ns,upper_ns,count\nround_trip,1,2,3\n"}; });
     const auto run = watch_hub(hub, 0.1, folder);
     ASSERT_FALSE(run) << wrong;
-    EXPECT_THAT(run.error().what, HasSubstr("a report that cannot be read; it is another version of Hapton")) << wrong;
+    EXPECT_THAT(run.error().what, AllOf(HasSubstr("a report that cannot be read; it is another version of Hapton"), IsOneLine())) << wrong;
   }
 }
 

@@ -1,11 +1,13 @@
 #include "tools/live/hub_report.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <string>
 #include <variant>
 
+#include "tests/support/one_line.h"
 #include "tests/tools/replying_hub.h"
 
 namespace hapton {
@@ -53,6 +55,7 @@ TEST(HubReport, OfAHubThatNeverRestsIsGivenUpInALine) {
   const auto report = read_from_hasty_hub(1'000'000);
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().what.find("faster than they can be read"), std::string::npos) << report.error().what;
+  EXPECT_THAT(report.error().what, IsOneLine());
 }
 
 TEST(HubReport, OfMorePartsThanAnyReportHasIsNotRead) {

@@ -1,10 +1,12 @@
 #include "tools/live/vrpn_line.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
 
+#include "tests/support/one_line.h"
 #include "tests/vrpn/made_tracker.h"
 
 namespace hapton {
@@ -27,6 +29,7 @@ TEST(VrpnLines, WithoutAServerAreOneLine) {
   const auto line = open_line_input(*parse_line_input("vrpn:Pedal@127.0.0.1:1:0"));
   ASSERT_FALSE(line);
   EXPECT_NE(line.error().what.find("no VRPN server replies at 127.0.0.1:1"), std::string::npos) << line.error().what;
+  EXPECT_THAT(line.error().what, IsOneLine());
 }
 
 TEST(VrpnLines, FollowTheButtonOfTheServer) {

@@ -1,5 +1,6 @@
 #include "tools/session/mcap_writer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "tests/support/file_size_limit.h"
+#include "tests/support/one_line.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -93,9 +95,11 @@ TEST(McapWriter, AFullDiskIsOneLine) {
   const auto closed = writer->close();
   ASSERT_FALSE(closed);
   EXPECT_NE(closed.error().what.find("/dev/full: cannot be written: No space left"), std::string::npos) << closed.error().what;
+  EXPECT_THAT(closed.error().what, IsOneLine());
   const auto nowhere = McapWriter::open("/proc/none/a.mcap", "us", kSchemas, kChannels);
   ASSERT_FALSE(nowhere);
   EXPECT_NE(nowhere.error().what.find("/proc/none/a.mcap"), std::string::npos);
+  EXPECT_THAT(nowhere.error().what, IsOneLine());
 }
 
 TEST(McapWriter, OnAFullDiskThereIsNoFile) {

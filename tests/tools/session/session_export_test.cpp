@@ -1,5 +1,6 @@
 #include "tools/session/session_export.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -13,6 +14,7 @@
 
 #include "tests/recording/made_entries.h"
 #include "tests/support/file_size_limit.h"
+#include "tests/support/one_line.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -148,6 +150,7 @@ TEST_F(ExportTest, AFolderThatCannotBeMadeIsOneLine) {
   const auto opened = SessionExport::open(file / "folder", 0);
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("the folder cannot be made"), std::string::npos);
+  EXPECT_THAT(opened.error().what, IsOneLine());
 }
 
 // Adds a shape as a haptics node announces it: first the vertices, then the start.

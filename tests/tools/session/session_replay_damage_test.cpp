@@ -1,10 +1,12 @@
 // Recordings that lack something or are damaged: what is uncertain is not compared, and nothing takes for ever.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "tests/support/one_line.h"
 #include "tests/tools/session/session_replay_fixture.h"
 
 namespace hapton {
@@ -79,6 +81,7 @@ TEST_F(SessionReplayTest, AFirstReplyWithoutASenderIsRejectedInOneLine) {
   const auto done = replay.on_reply(0, *recorded[0].second);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
+  EXPECT_THAT(done.error().what, IsOneLine());
 }
 
 // The damaged serial claims four billion changes, none of which is in the recording. Looking for each of them would take minutes.

@@ -1,5 +1,6 @@
 #include "tools/session/session_replay.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 
 #include "plugin/plugin_effects.h"
 #include "tests/standins/paths.h"
+#include "tests/support/one_line.h"
 #include "tests/tools/session/session_replay_fixture.h"
 
 namespace hapton {
@@ -222,6 +224,7 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   const auto done = replay.on_reply(kSender, *recorded[0].second);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
+  EXPECT_THAT(done.error().what, IsOneLine());
 }
 
 // A hub that began to record later has not received the view itself, only the setup that names it.
