@@ -136,7 +136,9 @@ TEST(Evaluate, AShadedForceIsComparedWithTheUnshadedReferenceAndSaysSo) {
 TEST(Evaluate, SaysWhyAMethodCannotRun) {
   MethodSettings settings;
   settings.name = "no such method";
-  EXPECT_FALSE(run_method(settings, bumpy_scene(), TouchTrajectory{.p_SD = {Vec3::Zero()}}, 1).has_value());
+  const auto samples = run_method(settings, bumpy_scene(), TouchTrajectory{.p_SD = {Vec3::Zero()}}, 1);
+  ASSERT_FALSE(samples);
+  EXPECT_THAT(samples.error().what, testing::StartsWith("method 'no such method' is not known; choose one of: "));
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "tools/session/ply_writer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <filesystem>
 
 #include "core/geometry/mesh_shapes.h"
 #include "scene/mesh_file.h"
+#include "tests/support/one_line.h"
 
 namespace hapton {
 namespace {
@@ -22,7 +25,12 @@ TEST(PlyWriter, IsReadBackToTheBit) {
   std::filesystem::remove(path);
 }
 
-TEST(PlyWriter, SaysWhereItCannotWrite) { EXPECT_FALSE(write_ply("/proc/no/such/place.ply", make_box(Vec3::Ones())).has_value()); }
+TEST(PlyWriter, SaysWhereItCannotWrite) {
+  const auto written = write_ply("/proc/no/such/place.ply", make_box(Vec3::Ones()));
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().what, testing::StartsWith("cannot write /proc/no/such/place.ply: "));
+  EXPECT_THAT(written.error().what, IsOneLine());
+}
 
 }  // namespace
 }  // namespace hapton
