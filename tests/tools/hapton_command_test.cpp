@@ -299,8 +299,14 @@ TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run_hapton({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
-// `hapton bench` alone takes the flags of `bench numbers`, and checks its folder before it measures.
+// `hapton bench` alone does the same as `bench numbers`, the only one that has --windows.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
+  const CommandRun run = run_hapton({"bench", "--quick", "--windows", "1", "--mesh", path("gone.obj"), "--out", path("numbers")});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, testing::StartsWith("hapton bench numbers: " + path("gone.obj")));
+}
+
+TEST_F(HaptonCommandTest, BenchAloneChecksItsFolderBeforeItMeasures) {
   std::ofstream(folder_ / "a file");
   const CommandRun run = run_hapton({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
   EXPECT_EQ(run.code, 2);
