@@ -31,7 +31,8 @@ class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
 // above the corner of a hole held a point in that corner (162, 440).
 // A sphere of 1 % was held for good where it was put exactly on an edge (nist_pump_assembly).
 // In a wedge of two millionths of a radian the sphere was held before the end of one of the wedge's faces, which a point passes (250).
-// A device that crosses a face within the plane of that face was taken for one that passes through it (473).
+// A device that crosses a face within the plane of that face was taken for one that passes through it (473, with only
+// six steps in contact, of which one is compared).
 TEST_P(StressOnMeshes, HasNoFault) {
   const Episode& episode = GetParam();
   auto file = load_touch_mesh(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / episode.mesh);
@@ -60,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Found, StressOnMeshes,
                                          Episode{"barkour_body_dirty.stl", 19, 15}, Episode{"kenney_motorcycle.glb", 3, 23},
                                          Episode{"barkour_body_dirty.stl", 1, 329, 1.0, "meshes/barkour_body_dirty.stl"},
                                          Episode{"barkour_body_dirty.stl", 3, 250, 1e6},
-                                         Episode{"mosquito_dirty.glb", 3, 473, 1e-3, nullptr, 0.0, 0},
+                                         Episode{"mosquito_dirty.glb", 3, 473, 1e-3, nullptr, 0.0, 1},
                                          Episode{"nist_assembly_insert.obj", 3, 1, 1e-6},
                                          Episode{"nist_assembly_insert.obj", 4, 282, 1.0, "meshes/nist_assembly_insert.obj"},
                                          Episode{"nist_assembly_insert.obj", 6, 303, 1.0, "meshes/nist_assembly_insert.obj"},
