@@ -42,7 +42,6 @@ class Loop {
     const ForceCommand reply = step_->reply();
     if (sample_ % 4 == 0 && mover_->has_request()) {
       const ObjectMover::Outcome outcome = mover_->carry_out(*step_);
-      if (outcome.move) serial_ = outcome.move->serial;
       deliver_later(link_ms_, [this, outcome] { driver_.take(outcome.reply); });
     }
     const ProbeState state = {.sample = reply.echo_sample,
@@ -98,7 +97,6 @@ class Loop {
   int link_ms_;
   std::int64_t sample_ = 0;
   std::uint64_t requests_sent_ = 0;
-  std::uint32_t serial_ = 0;
   std::deque<PendingMessage> pending_;
 };
 
