@@ -146,23 +146,20 @@ void HidDevice::await_command() noexcept {
 }
 
 void HidDevice::write_newest() noexcept {
-  std::shared_ptr<HidTransport> transport;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
-  std::size_t size = 0;
-  {
-    // Takes the transport while locked: a report encoded for a newly opened device must not go to the device before it.
-    const std::lock_guard lock(driver_mutex_);
-    transport = port_.transport();
-    if (!transport) {
-      rejected_ = 0;
-      return;
-    }
-    // A write may have hung while the device was opened again: rejected_ then counts rejections by the device before.
-    if (is_first_report_) rejected_ = 0;
-    const std::int64_t now_ns = clock_.now_ns();
-    const Wrench wrench = exchange_.wrench(now_ns);
-    size = backend_->encode(wrench, may_exert(now_ns), now_ns, report);
+  // Takes the transport while locked: a report encoded for a newly opened device must not go to the device before it.
+  std::unique_lock lock(driver_mutex_);
+  const auto transport = port_.transport();
+  if (!transport) {
+    rejected_ = 0;
+    return;
   }
+  // A write may have hung while the device was opened again: rejected_ then counts rejections by the device before.
+  if (is_first_report_) rejected_ = 0;
+  const std::int64_t now_ns = clock_.now_ns();
+  const Wrench wrench = exchange_.wrench(now_ns);
+  const std::size_t size = backend_->encode(wrench, may_exert(now_ns), now_ns, report);
+  lock.unlock();
   if (size == 0) return;
   rejected_ = transport->write(std::span(report).first(size)) ? 0 : rejected_ + 1;
   if (rejected_ < kMaxRejected) return;
@@ -174,11 +171,9 @@ void HidDevice::release_force() noexcept {
   const auto transport = port_.transport();
   if (!transport) return;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
-  std::size_t size = 0;
-  {
-    const std::lock_guard lock(driver_mutex_);
-    size = backend_->encode({}, false, clock_.now_ns(), report);
-  }
+  std::unique_lock lock(driver_mutex_);
+  const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
+  lock.unlock();
   if (size > 0) (void)transport->write(std::span(report).first(size));
 }
 

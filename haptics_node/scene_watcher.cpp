@@ -52,7 +52,10 @@ bool suits_held(const Scene& base, const Scene& before, const Scene& after, bool
   return change == SceneChange::none || (change == SceneChange::materials && describe_materials(base, after).has_value());
 }
 
-std::uint64_t tool_of(const Scene& scene) { return scene.tool ? scene.tool->given_hash : 0; }
+bool has_same_tool(const Scene& before, const Scene& after) {
+  if (!before.tool || !after.tool) return before.tool.has_value() == after.tool.has_value();
+  return before.tool->given_hash == after.tool->given_hash;
+}
 
 std::string_view describe(SceneChange change) {
   if (change == SceneChange::names) return "only its names have changed; changes by hapton set end, and effects begin anew";
@@ -112,7 +115,7 @@ SceneWatcher::Outcome SceneWatcher::poll() {
 
 // False: the log says why.
 bool SceneWatcher::may_replace(const Scene& scene) const {
-  if (tool_of(scene) != tool_of(scene_in_use_)) {
+  if (!has_same_tool(scene_in_use_, scene)) {
     log_warning("{}: [tool] has changed: start haptics_node again to use it; the present scene stays in use", options_.path.string());
     return false;
   }

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -60,6 +62,39 @@ TEST(HandScript, AForceThatNeverEndsHoldsUpNothing) {
     EXPECT_LE(largest_pull_m, kMaxPullM + 1e-12);
     EXPECT_GT(largest_pull_m, height == 0.0 ? 0.9 * kMaxPullM : 0.0) << "it presses less than it wants to";
   }
+}
+
+// The hand feels the same force all the time, and holds the stylus where it wants it.
+TEST(HandScript, CirclesOnceOrTwiceWithARadiusOfMillimetres) {
+  double least_turn = 10.0, most_turn = 0.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    HandScript script({seed, Vec3::Constant(-2.0), Vec3::Constant(2.0), Vec3::Zero()});
+    Vec3 last = Vec3::Zero();
+    const auto step = [&] { return script.step(last, Vec3(0.0, 0.0, 1.0)).p_WH; };
+    for (int n = 0; n < 20'000 && script.phase() != HandScript::Phase::circle; ++n) last = step();
+    ASSERT_EQ(script.phase(), HandScript::Phase::circle);
+    Vec3 motion_before = Vec3::Zero();
+    double turned_rad = 0.0, way_m = 0.0;
+    while (script.phase() == HandScript::Phase::circle && turned_rad < 100.0) {
+      const Vec3 next = step();
+      const Vec3 motion = (next - last).cwiseProduct(Vec3(1.0, 1.0, 0.0));
+      last = next;
+      if (script.phase() != HandScript::Phase::circle) break;
+      if (motion_before != Vec3::Zero()) turned_rad += std::acos(std::min(1.0, motion.normalized().dot(motion_before.normalized())));
+      way_m += motion.norm();
+      motion_before = motion;
+    }
+    const double turns = turned_rad / (2.0 * std::numbers::pi);
+    least_turn = std::min(least_turn, turns);
+    most_turn = std::max(most_turn, turns);
+    EXPECT_GT(way_m / turned_rad, 0.004 - 1e-4);
+    EXPECT_LT(way_m / turned_rad, 0.012 + 1e-4);
+  }
+  EXPECT_GT(least_turn, 0.98);
+  EXPECT_LT(least_turn, 1.3);
+  EXPECT_GT(most_turn, 1.7);
+  EXPECT_LT(most_turn, 2.02);
 }
 
 TEST(HandScript, FollowsALeadAndReturnsToItsScript) {

@@ -295,6 +295,18 @@ TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   EXPECT_TRUE(setup.receive_until([&] { return setup.moves.size() > before; }));
 }
 
+// It was announced before the hub requested parts, and may have been lost on the way.
+TEST(PatchSender, AMoveFromBeforeTheFirstRequestIsSentToo) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects[0].command_pivot = Vec3::Zero();
+  SenderWithHub setup(true, scene);
+  setup.sender.note_move({.source = 3, .serial = 1, .object = 0, .start_ns = 1, .end_ns = 2}, setup.clock.now_ns());
+  ASSERT_TRUE(setup.receive_until([&] { return setup.moves.size() >= 2; }));
+  (void)setup.confirmed_moves.take(setup.moves.front());
+  setup.receive_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(setup.sender.counts().moves_repeated + 1U, setup.moves.size()) << "the first time it is not sent again";
+}
+
 // Each reason has its own line of text.
 TEST(PatchSender, MovingObjectsThatCannotBeSentAreNeverOffered) {
   const auto obstacle_of = [](const TouchScene& scene) { return std::string(SenderWithHub(true, scene).sender.obstacle()); };

@@ -49,8 +49,14 @@ class GraspLoopTest : public ReplyLoopStage {
   }
 
   void take(const Message& message) override {
-    if (const auto* setup = std::get_if<HapticsSetup>(&message)) setup_ = *setup;
-    if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && pose->object == 1) pose_ = *pose;
+    if (const auto* setup = std::get_if<HapticsSetup>(&message)) {
+      setup_ = *setup;
+      posed_after_setup_.emplace_back();
+    }
+    if (const auto* pose = std::get_if<ObjectPose>(&message)) {
+      if (pose->object == 1) pose_ = *pose;
+      if (!posed_after_setup_.empty()) posed_after_setup_.back().push_back(pose->object);
+    }
     if (const auto* command = std::get_if<ForceCommand>(&message)) {
       object_ = command->object;
       force_n_ = command->force_n[2];
@@ -98,6 +104,7 @@ class GraspLoopTest : public ReplyLoopStage {
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42, .method = {"name=proxy"}}};
   HapticsSetup setup_;
   ObjectPose pose_;
+  std::vector<std::vector<std::int32_t>> posed_after_setup_;  // for each setup: the objects whose poses came after it
   SceneFacts scene_;
   MaterialState materials_;
   PatchStore store_;
@@ -177,6 +184,34 @@ TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) 
   link_.replies.publish({link_.requests.value().serial});
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.02}, 0);
   EXPECT_TRUE(method().starts_with("name=proxy effects=odd_one@")) << method();
+}
+
+// A datagram may be lost, so poses are sent again: of many objects, some with each setup.
+TEST_F(GraspLoopTest, SixteenPosesAreSentInTurnWithEachSetup) {
+  Grasp few(link_, {true, false, true}, button_bit(1));
+  step_.set_grasp(&few);
+  posed_after_setup_.clear();
+  for (int n = 0; n < 20'000 && posed_after_setup_.size() < 2; ++n) exchange({0.0, 0.0, 0.05}, 0);
+  ASSERT_EQ(posed_after_setup_.size(), 2U);
+  EXPECT_EQ(posed_after_setup_.front().size(), 2U) << "each once";
+  std::vector<bool> movable(21, true);
+  movable[3] = false;
+  Grasp many(link_, movable, button_bit(1));
+  step_.set_grasp(&many);
+  posed_after_setup_.clear();
+  for (int n = 0; n < 20'000 && posed_after_setup_.size() < 4; ++n) exchange({0.0, 0.0, 0.05}, 0);
+  ASSERT_EQ(posed_after_setup_.size(), 4U);
+  posed_after_setup_.pop_back();
+  std::int32_t next = 0;
+  for (const std::vector<std::int32_t>& objects : posed_after_setup_) {
+    EXPECT_EQ(objects.size(), 16U);
+    for (const std::int32_t object : objects) {
+      if (next == 3) ++next;
+      EXPECT_EQ(object, next);
+      next = (next + 1) % 21;
+    }
+  }
+  step_.set_grasp(&grasp_);
 }
 
 // Hash and facts of a scene may be known before or after that scene comes into use. They are sent once both are true.

@@ -66,6 +66,48 @@ TEST(HidPort, ADeviceThatFloodsIsStillDrainedNowAndThen) {
   flood.join();
 }
 
+// Each report is one byte more than the one before, and the next one is always there.
+struct EndlessTransport final : HidTransport {
+  const HidDescription& description() const noexcept override { return described; }
+  HidRead read(std::span<std::uint8_t> into, int) noexcept override {
+    into[0] = ++newest;
+    return {HidIo::done, 1};
+  }
+  bool write(std::span<const std::uint8_t>) noexcept override { return true; }
+  Result<std::size_t> get_feature(std::span<std::uint8_t>) override { return fail("no such feature report"); }
+
+  HidDescription described;
+  std::uint8_t newest = 0;
+};
+
+TEST(HidPort, BringsEveryReportOfADeviceThatFloodsAndPausesAfterTheSameNumber) {
+  struct Counter final : HidListener {
+    Result<void> on_opened(HidTransport&) override { return {}; }
+    void on_report(std::span<const std::uint8_t> report, std::int64_t) noexcept override {
+      const auto expected = static_cast<std::uint8_t>(newest + 1);
+      lost_count += report[0] == expected ? 0 : 1;
+      newest = report[0];
+      ++since_drained;
+    }
+    void on_drained(std::int64_t) noexcept override {
+      wrong_count += since_drained == 256 ? 0 : 1;
+      since_drained = 0;
+      ++drained_count;
+    }
+    void on_gone() noexcept override {}
+
+    std::uint8_t newest = 0;
+    int since_drained = 0;
+    std::atomic<int> drained_count = 0, lost_count = 0, wrong_count = 0;
+  } counter;
+  HidPort port([]() -> Result<std::unique_ptr<HidTransport>> { return std::make_unique<EndlessTransport>(); }, counter, "fake");
+  ASSERT_TRUE(port.open());
+  EXPECT_TRUE(wait_until([&] { return counter.drained_count > 10; }));
+  port.close();
+  EXPECT_EQ(counter.lost_count, 0);
+  EXPECT_EQ(counter.wrong_count, 0);
+}
+
 TEST(HidPort, UnpluggedItIsLookedForAndOpenedAgain) {
   FakeHid hid;
   Listener listener;

@@ -1,5 +1,6 @@
 #include "hid/hidapi_transport.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -66,9 +67,22 @@ TEST(HidapiTransport, AFileThatIsNoDeviceIsNotDenied) {
   const ScratchFolder folder;
   HidDescription device;
   device.path = folder.write("file", "no device").string();
+  const std::string expected = device.path + ": it cannot be opened: it is not a HID device, or was just unplugged";
   const auto opened = open_hid_device(device);
   ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().what.rfind(device.path + ": it cannot be opened: ", 0), 0U) << opened.error().what;
+  EXPECT_EQ(opened.error().what, expected);
+  // A program without a standard input opens the file as descriptor 0.
+  const int input = ::dup(STDIN_FILENO);
+  ::close(STDIN_FILENO);
+  const auto opened_as_zero = open_hid_device(device);
+  const bool is_closed = ::fcntl(STDIN_FILENO, F_GETFD) < 0;
+  if (input >= 0) {
+    ::dup2(input, STDIN_FILENO);
+    ::close(input);
+  }
+  ASSERT_FALSE(opened_as_zero);
+  EXPECT_EQ(opened_as_zero.error().what, expected);
+  EXPECT_TRUE(is_closed);
 }
 
 // udev grants access a moment after a device appears. Opening waits for that for a second, and then reports that the rules are missing.

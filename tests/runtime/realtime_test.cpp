@@ -18,6 +18,8 @@
 #include <optional>
 #include <thread>
 
+#include "runtime/thread_usage.h"
+
 namespace hapton {
 namespace {
 
@@ -131,6 +133,26 @@ TEST(RealtimeTest, WhoMayLockWithoutALimitLocksAllMemory) {
   };
   EXPECT_EXIT(lock_under(1 << 16), testing::ExitedWithCode(0), "");
   EXPECT_EXIT(lock_under(RLIM_INFINITY), testing::ExitedWithCode(0), "");
+}
+
+// It says something about threads with a real-time priority only.
+TEST(RealtimeTest, TheShareOfRealTimeThreadsIsReadIfThePriorityIsGranted) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto enter = [](bool may_have_priority) {
+    constexpr uid_t kNobody = 65534;
+    const rlimit limit = {.rlim_cur = may_have_priority ? 7U : 0U, .rlim_max = may_have_priority ? 7U : 0U};
+    // Only a privileged user may raise a limit, and the system may grant no priority to anybody.
+    if (setrlimit(RLIMIT_RTPRIO, &limit) != 0) std::_Exit(0);
+    if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);
+    const auto report = enter_realtime({.mode = RealtimeMode::attempt, .priority = 7, .lock_memory = false, .low_dma_latency = false});
+    const RealtimeItem* item = report ? find_item(*report, "priority") : nullptr;
+    if (item == nullptr || !find_item(*report, "timer slack")->obtained) std::_Exit(3);
+    if (item->obtained && !may_have_priority) std::_Exit(4);
+    const std::optional<double> expected = item->obtained ? read_realtime_share() : std::nullopt;
+    std::_Exit(report->allowed_share == expected ? 0 : 1);
+  };
+  EXPECT_EXIT(enter(false), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(enter(true), testing::ExitedWithCode(0), "");
 }
 
 TEST(RealtimeTest, TheShareOfRealTimeThreadsIsReportedInPercent) {

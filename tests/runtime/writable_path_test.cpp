@@ -92,7 +92,10 @@ TEST(WritablePath, RejectsANameThatDoesNotFit) {
   const auto longer = folder.path() / std::string(max_name_bytes - suffix_bytes + 1, 'a');
   for (const bool is_there : {false, true}) {
     if (is_there) std::ofstream(longer) << "x";
-    EXPECT_THAT(error_of(check_writable_file(longer)), HasSubstr("give a shorter one")) << is_there;
+    EXPECT_THAT(error_of(check_writable_file(longer)),
+                HasSubstr(fmt::format("{} bytes, and {} are the most; give a shorter one", max_name_bytes - suffix_bytes + 1,
+                                      max_name_bytes - suffix_bytes)))
+        << is_there;
     EXPECT_FALSE(write_file_atomically(longer, "x")) << is_there;
   }
   std::filesystem::create_symlink(longer.filename(), folder.path() / "link.csv");
@@ -115,6 +118,21 @@ TEST(WritablePath, RejectsAFolderWhoseNameDoesNotFit) {
   while (deep.native().size() < 4096) deep /= std::string(100, 'a');
   EXPECT_THAT(error_of(check_writable_folder(deep)), HasSubstr("give a shorter path"));
   EXPECT_THAT(error_of(check_writable_file(deep / "a.csv")), HasSubstr("give a shorter path"));
+}
+
+// The number of bytes that an error names fits, and one more does not.
+TEST(WritablePath, NamesHowLongAPathMayBe) {
+  const std::size_t suffix_bytes = PartPath("a").part().string().size() - 1;
+  const auto path_of = [](std::size_t bytes) {
+    std::string path = "/tmp";
+    while (path.size() + 101 < bytes) path += "/" + std::string(99, 'a');
+    return path + "/" + std::string(bytes - path.size() - 1, 'a');
+  };
+  EXPECT_EQ(error_of(check_writable_folder(path_of(4095))), "");
+  EXPECT_THAT(error_of(check_writable_folder(path_of(4096))), HasSubstr("it has 4096 bytes, and 4095 are the most;"));
+  EXPECT_EQ(error_of(check_writable_file(path_of(4095 - suffix_bytes))), "");
+  EXPECT_THAT(error_of(check_writable_file(path_of(4096 - suffix_bytes))),
+              HasSubstr(fmt::format("it has {} bytes, and {} are the most;", 4096 - suffix_bytes, 4095 - suffix_bytes)));
 }
 
 // By its permissions, root may write in /proc.

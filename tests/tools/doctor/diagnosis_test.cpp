@@ -319,6 +319,21 @@ TEST(Diagnosis, CountsTheCpusOfAList) {
   EXPECT_THAT(text, HasSubstr("7, of which 2-3 are isolated for real time: io_node --cpu 2"));
 }
 
+TEST(Diagnosis, TheVersionOrTheFileOfTheKernelShowsThatItIsForRealTime) {
+  FakeMachine machine;
+  const auto text_of_kernel = [&](const char* version, bool has_file) {
+    machine.write("/proc/version", fmt::format("Linux version {} Debian\n", version));
+    machine.remove("/sys/kernel/realtime");
+    if (has_file) machine.write("/sys/kernel/realtime", "1\n");
+    const Diagnosis diagnosis = diagnose(machine.make());
+    EXPECT_THAT(complaints_of(diagnosis), IsEmpty());
+    return to_text(diagnosis, false);
+  };
+  EXPECT_THAT(text_of_kernel("6.1.0 (x) #1 SMP PREEMPT_RT", false), HasSubstr("6.1.0, PREEMPT_RT"));
+  EXPECT_THAT(text_of_kernel("4.4.0 (x) #1 SMP PREEMPT RT", true), HasSubstr("4.4.0, PREEMPT_RT"));
+  EXPECT_THAT(text_of_kernel("6.1.0 (x) #1 SMP PREEMPT_DYNAMIC", false), HasSubstr("6.1.0, preemptible; linux-image-rt-amd64"));
+}
+
 TEST(Diagnosis, AFirewallThatLetsThePortThroughIsGood) {
   FakeMachine machine;
   machine.write("/etc/ufw/ufw.conf", "ENABLED=yes\n");

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <regex>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -52,6 +54,40 @@ TEST_F(FiguresTest, HullsWithMoreDirectionsCoverLess) {
   ASSERT_TRUE(std::regex_search(script, box, std::regex("6 directions, ([0-9]+) mm")));
   ASSERT_TRUE(std::regex_search(script, hull, std::regex("14 directions, ([0-9]+) mm")));
   EXPECT_LT(std::stod(hull[1]), 0.9 * std::stod(box[1]));
+}
+
+// Each step of the probe after the first is a line, which begins one offset above the collision point of the step before.
+TEST_F(FiguresTest, TheSweepIsDrawnStepByStep) {
+  const std::string script = script_of(figures_, "sweep");
+  const auto rows_of = [&](const std::string& name) {
+    const std::string head = "$" + name + " << EOD\n";
+    std::vector<std::vector<double>> rows;
+    const std::size_t begin = script.find(head);
+    EXPECT_NE(begin, std::string::npos) << name;
+    if (begin == std::string::npos) return rows;
+    std::istringstream block(script.substr(begin + head.size(), script.find("\nEOD", begin) - begin - head.size()));
+    for (std::string line; std::getline(block, line);) {
+      std::istringstream words(line);
+      rows.emplace_back(std::istream_iterator<double>(words), std::istream_iterator<double>());
+    }
+    return rows;
+  };
+  const auto devices = rows_of("devices"), lines = rows_of("lines"), collisions = rows_of("collisions"), forces = rows_of("forces");
+  EXPECT_EQ(devices, (std::vector<std::vector<double>>{{-2.5, -1.6}, {0.0, -1.6}, {2.5, -1.6}, {5.0, -1.6}, {7.5, -1.6}}));
+  ASSERT_EQ(lines.size(), devices.size());
+  ASSERT_EQ(collisions.size(), devices.size());
+  ASSERT_EQ(forces.size(), devices.size());
+  for (std::size_t n = 0; n < devices.size(); ++n) {
+    EXPECT_NEAR(lines[n][0] + lines[n][2], devices[n][0], 1e-4) << n;
+    EXPECT_NEAR(lines[n][1] + lines[n][3], devices[n][1], 1e-4) << n;
+    EXPECT_NEAR(collisions[n][1], 0.0, 1e-4) << n << ": on the surface";
+    if (n > 0) {
+      EXPECT_NEAR(lines[n][0], collisions[n - 1][0], 1e-4) << n;
+      EXPECT_NEAR(lines[n][1], 0.8, 1e-4) << n;
+    }
+    EXPECT_NEAR(forces[n][2], 0.0, 1e-4) << n;
+    EXPECT_GT(forces[n][3], 1.0) << n << ": out of the surface";
+  }
 }
 
 // A ring of 30 mm with a tube of 9 mm, cut through the middle: lines of two points along an inner and an outer circle.

@@ -38,6 +38,10 @@ TEST(LatencyPlot, CurvesAreSharesOfSlowerSamplesInMicroseconds) {
   EXPECT_THAT(script, HasSubstr("set output 'p.png'"));
   EXPECT_THAT(script, HasSubstr("round trip  (p50 10.5, p99 21 us, n 10)"));
   EXPECT_THAT(script, HasSubstr("set xrange [1:100]"));
+  EXPECT_THAT(script, HasSubstr("set yrange [0.1:1]"));
+  // The first and the last bucket decide the ends of one axis, and all samples that of the other.
+  EXPECT_THAT(make_latency_plot(std::vector<HopCounts>{{"round_trip", {{90'000, 110'000, 5}, {200'000, 2'200'000, 96}}}}, "p.png"),
+              AllOf(HasSubstr("set xrange [10:10000]"), HasSubstr("set yrange [0.001:1]")));
 }
 
 TEST_F(LatencyPlotTest, DrawsAPng) {
