@@ -80,7 +80,7 @@ class RandomDatagrams {
                           rate(),
                           rate(),
                           bits32(),
-                          static_cast<ProbeStatus>(bits() % 7),
+                          static_cast<ProbeStatus>(bits() % 8),
                           bits32(),
                           object_or_none(),
                           vector(),

@@ -195,6 +195,7 @@ inline void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.method_request, b.method_request);
   EXPECT_EQ(a.rejection, b.rejection);
   EXPECT_EQ(a.scene_loading, b.scene_loading);
+  EXPECT_EQ(a.material_serial, b.material_serial);
 }
 
 inline void expect_equal(const ReportRequest& a, const ReportRequest& b) {
@@ -222,7 +223,8 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
 inline void expect_equal(const LoopFacts& a, const LoopFacts& b) {
-  EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s), std::tie(b.device, b.servo_rate_hz, b.round_trip_s));
+  EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s, a.max_torque_nm),
+            std::tie(b.device, b.servo_rate_hz, b.round_trip_s, b.max_torque_nm));
 }
 inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
   EXPECT_EQ(

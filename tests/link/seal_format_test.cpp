@@ -33,10 +33,21 @@ void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
 void lengthen(DeviceState& m) { m = {kMax64, kMinTime, kVector, kRotation, kMax32, true, kVector, kMaxWireTimeNs}; }
-void lengthen(ForceCommand& m) { m = {kMax64, kMinTime, kVector, kVector, true, kMax32, kMax32, kMax32, kMax32, kMax64, kMax32, 5}; }
+void lengthen(ForceCommand& m) {
+  m = {kMax64, kMinTime, kVector, kVector, true, kMax32, kMax32, kMax32, kMax32, kMax64, kMax32, 5, kVector, kVector, kMaxWireTimeNs};
+  m.move_serial = m.carve_serial = m.shape_serial = kMax32;
+  m.push = {kVector, kVector};
+  m.haptons = kMax32;
+  m.held_offset_m = kVector;
+}
 void lengthen(ViewTransform& m) { m = {kMax32, kPose}; }
 void lengthen(ProbeState& m) {
-  m = {kMax64, kMinTime, kVector, kRotation, kVector, kVector, true, kMax32, kRate, kRate, kRate, kMax32, ProbeStatus::too_small};
+  m = {kMax64, kMinTime, kVector, kRotation, kVector, kVector, true, kMax32, kRate, kRate, kRate, kMax32, ProbeStatus::too_small, 100, 5};
+  m.torque_nm = m.visual_turn = kVector;
+  m.force_limit_n = kRate;
+  m.scene_time_ns = kMaxWireTimeNs;
+  m.push = {kVector, kVector};
+  m.haptons = kMax32;
 }
 void lengthen(FrameAck& m) { m = {kMax64, kMinTime, kRate, kMax32, kMax32, true, true}; }
 void lengthen(HandTarget& m) { m = {true, kVector, kMax32, kVector}; }
@@ -55,13 +66,13 @@ void lengthen(HapticsSetup& m) {
   fill_text(m.rejection);
 }
 void lengthen(SceneFacts& m) {
-  m = {kMax64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMaxPoints, {}, 1.0F};
+  m = {kMax64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMaxPoints, {}, 1.0F, true, kMax64};
   m.points_m.fill({3, 3, 3});
 }
 void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMax32, kMax32 - 1}; }
 void lengthen(ViewRejected& m) { m = {kMax32}; }
 void lengthen(LoopFacts& m) {
-  m = {{}, kMaxServoRateHz, 1e3F / 3.0F};
+  m = {{}, kMaxServoRateHz, 1e3F / 3.0F, 1.0F / 3.0F};
   fill_text(m.device);
 }
 void lengthen(PatchBegin& m) {
@@ -105,7 +116,7 @@ void lengthen(PatchDisplacements& m) {
   m.by_m.fill(1.0F / 3.0F);
 }
 void lengthen(PatchStream& m) {
-  m = {kMax32, kMax32, PatchBody::kMaxBodies - 1, kMax32 - 1, 1, kMax32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};
+  m = {kMax32, kMax32, PatchBody::kMaxBodies - 1, kMax32 - 1, kMax32, kMax32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};
   m.to_scene.setConstant(1.0 / 3.0);
   m.shape_serial = kMax32;
   m.tile = m.first_tile;
@@ -140,6 +151,7 @@ void lengthen(MoveReply& m) {
 }
 void lengthen(ObjectMove& m) {
   m = {kMax32, kMax32, std::numeric_limits<std::int32_t>::max(), kMaxWireTimeNs, kMaxWireTimeNs, kVector, kRotation, kVector, kRotation};
+  fill_text(m.name);
 }
 // An undo is shorter than a carve, also with the two fields that it adds.
 void lengthen(Carves& m) {
