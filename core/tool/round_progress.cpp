@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-bool RoundProgress::is_stalled(const Placement& at, double distance) noexcept {
+bool RoundProgress::begin_round(const Placement& at, double distance) noexcept {
   const bool is_first = rounds_ == 0;
   if (!is_first && at == last_) return false;
   ++rounds_;

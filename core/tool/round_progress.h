@@ -16,10 +16,10 @@ class RoundProgress {
 
   // Call at the start of each step.
   void restart() noexcept { rounds_ = 0; }
-  // Call when a round begins: at this placement, at this distance from the device. True: the last kPatience motions have gained nothing. A
-  // round that begins where the one before began does not count, as the tool has not moved.
-  bool is_stalled(const Placement& at, double distance) noexcept;
-  // The placement nearest to the device at which a round of this step began. Pre: is_stalled was called in this step.
+  // Call when a round begins: at this placement, at this distance from the device. True: it is stalled, as the last kPatience motions have
+  // gained nothing. A round that begins where the one before began does not count, as the tool has not moved.
+  bool begin_round(const Placement& at, double distance) noexcept;
+  // The placement nearest to the device at which a round of this step began. Pre: begin_round was called in this step.
   const Placement& best() const { return best_; }
   // True if best() is the placement at which the last round began.
   bool is_best() const { return is_best_; }

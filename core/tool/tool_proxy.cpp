@@ -291,7 +291,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = motion_between(proxy_, device);
   const double radius = this->radius();
   const double remaining = wanted.length(radius);
-  if (remaining > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
+  if (remaining > 0.0 && progress_.begin_round(proxy_, energy_.length(wanted))) {
     // From round to round the gaps, and so the distance to the device, vary by less than an offset: a smaller gain does not count.
     if (energy_.length(motion_between(progress_.best(), device)) < energy_.length(wanted) - kOffset) return_to_best();
     report.converged = false;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "link/codec.h"
 #include "link/memory_endpoint.h"
 #include "tests/support/allocation_guard.h"
 

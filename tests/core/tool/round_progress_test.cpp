@@ -18,7 +18,7 @@ int rounds_until_stalled(const std::array<double, kCount>& distances, std::size_
   progress.restart();
   for (std::size_t n = 0; n < 100; ++n) {
     const double d = distances[n < kCount ? n : kCount - repeat_count + (n - kCount) % repeat_count];
-    if (progress.is_stalled(placement_at(static_cast<double>(n)), d)) return static_cast<int>(n);
+    if (progress.begin_round(placement_at(static_cast<double>(n)), d)) return static_cast<int>(n);
   }
   return -1;
 }
@@ -33,7 +33,7 @@ TEST(RoundProgress, EverShorterMotionsAreStalled) {
   progress.restart();
   int n = 0;
   double distance = 5.0;
-  for (double gain = 1.0; n < 100 && !progress.is_stalled(placement_at(distance), distance); ++n) distance -= gain *= 0.5;
+  for (double gain = 1.0; n < 100 && !progress.begin_round(placement_at(distance), distance); ++n) distance -= gain *= 0.5;
   EXPECT_GT(n, RoundProgress::kPatience);
   EXPECT_LT(n, 12);
 }
@@ -43,28 +43,28 @@ TEST(RoundProgress, SmallGainsAddUp) {
   progress.restart();
   double distance = 100.0;
   for (int n = 0; n < 100; ++n, distance -= 1.01 * kLeastGain / RoundProgress::kPatience) {
-    ASSERT_FALSE(progress.is_stalled(placement_at(distance), distance)) << n;
+    ASSERT_FALSE(progress.begin_round(placement_at(distance), distance)) << n;
   }
 }
 
 TEST(RoundProgress, ARoundThatDoesNotMoveIsNotCounted) {
   RoundProgress progress(kLeastGain);
   progress.restart();
-  for (int n = 0; n < 100; ++n) ASSERT_FALSE(progress.is_stalled(placement_at(0.0), 1.0));
+  for (int n = 0; n < 100; ++n) ASSERT_FALSE(progress.begin_round(placement_at(0.0), 1.0));
 }
 
 TEST(RoundProgress, TheBestIsTheNearest) {
   RoundProgress progress(kLeastGain);
   progress.restart();
-  progress.is_stalled(placement_at(1.0), 3.0);
+  progress.begin_round(placement_at(1.0), 3.0);
   EXPECT_TRUE(progress.is_best());
-  progress.is_stalled(placement_at(2.0), 1.0);
+  progress.begin_round(placement_at(2.0), 1.0);
   EXPECT_TRUE(progress.is_best());
-  progress.is_stalled(placement_at(3.0), 2.0);
+  progress.begin_round(placement_at(3.0), 2.0);
   EXPECT_FALSE(progress.is_best());
   EXPECT_EQ(progress.best(), placement_at(2.0));
   progress.restart();
-  progress.is_stalled(placement_at(4.0), 9.0);
+  progress.begin_round(placement_at(4.0), 9.0);
   EXPECT_TRUE(progress.is_best());
   EXPECT_EQ(progress.best(), placement_at(4.0));
 }
