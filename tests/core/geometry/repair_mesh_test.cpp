@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
+#include <tuple>
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
@@ -131,6 +134,27 @@ TEST(RepairMesh, CountsWhatItCannotRepair) {
   EXPECT_EQ(report.boundary_edges, 8U + 4U);  // of the grid, and of the two triangles beside it
   EXPECT_EQ(report.pieces, 2U);
   EXPECT_NE(report.describe().find("1 needles"), std::string::npos);
+}
+
+// The height of a needle is less than a hundredth of its longest edge, whichever of its edges that is, and however short the others are.
+TEST(RepairMesh, ANeedleIsFlatOverItsLongestEdge) {
+  const auto report_of = [](double tip_x, double height, int first) {
+    const std::array<Vec3, 3> corner = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(tip_x, height, 0)};
+    TriangleMesh mesh{{corner.begin(), corner.end()}, {{0, 1, 2}}};
+    std::rotate(mesh.vertices.begin(), mesh.vertices.begin() + first, mesh.vertices.end());
+    RepairReport report;
+    repair_mesh(mesh, report);
+    return report;
+  };
+  for (int first = 0; first < 3; ++first) {
+    for (const double tip_x : {0.0001, 0.5, 0.99}) {
+      for (const auto& [height, needles, empty] : {std::tuple(0.0101, 0U, 0U), {0.0099, 1U, 0U}, {2e-14, 1U, 0U}, {5e-15, 0U, 1U}}) {
+        const RepairReport report = report_of(tip_x, height, first);
+        EXPECT_EQ(report.needles, needles) << tip_x << " " << height << " " << first;
+        EXPECT_EQ(report.empty_area, empty) << tip_x << " " << height << " " << first;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "core/geometry/touch_trajectory.h"
 
 #include <gtest/gtest.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
@@ -74,6 +77,39 @@ TEST(TouchTrajectory, FreeOrbitsASphereAtOneToElevenMillimetres) {
   EXPECT_NEAR(least_height, 0.001, 3e-4);
   EXPECT_NEAR(greatest_height, 0.011, 3e-4);
   EXPECT_LT((free->p_SD[0] - free->p_SD[4000]).norm(), 0.011);
+}
+
+// Two small triangles, opposite each other, far from the axis: around each the path keeps their full distance for eleven sectors (half
+// degrees) to both sides, then it falls evenly to zero over 21. Of two more triangles no point is within 12 mm of the middle height.
+TEST(TouchTrajectory, FreeGoesAroundATriangleInGoodTime) {
+  constexpr double kRadiusM = 0.05;
+  const auto corner = [](double sector, double radius_m, double z_m) {
+    const double angle = (sector / 360.0 - 1.0) * std::numbers::pi;
+    return Vec3(radius_m * std::cos(angle), radius_m * std::sin(angle), z_m);
+  };
+  TriangleMesh mesh;
+  const auto add_with_opposite = [&mesh](const std::array<Vec3, 3>& corners) {
+    for (const double sign : {1.0, -1.0}) {
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      for (const Vec3& p : corners) mesh.vertices.push_back(sign * p);
+      mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+  };
+  add_with_opposite({corner(100.7, 0.8 * kRadiusM, 0.0), corner(103.4, 0.9 * kRadiusM, 0.0), corner(102.0, kRadiusM, 0.001)});
+  const double mm = compute_bounds(mesh).extent() / 100.0;
+  add_with_opposite(
+      {corner(250.0, 0.9 * kRadiusM, 12.1 * mm), corner(253.0, 0.9 * kRadiusM, 12.1 * mm), corner(252.0, 0.8 * kRadiusM, 13.0 * mm)});
+  ASSERT_EQ(compute_bounds(mesh).extent() / 100.0, mm);
+  const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 4000});
+  ASSERT_TRUE(free.has_value());
+  for (std::size_t i = 0; i < free->p_SD.size(); ++i) {
+    const Vec3& p = free->p_SD[i];
+    const double height_m = (6.0 - 5.0 * std::cos(2.0 * std::numbers::pi * 0.001 * static_cast<double>(i) / 1.7)) * mm;
+    const double sector = std::fmod((std::atan2(p.y(), p.x()) / std::numbers::pi + 1.0) * 360.0, 360.0);
+    // The triangle is in the sectors 100 to 103; one more on both sides is added.
+    const double beside = std::max(99.0 - sector, sector - 104.0);
+    ASSERT_NEAR(p.norm() - height_m, kRadiusM * std::clamp((31.0 - beside) / 21.0, 0.0, 1.0), 1e-9) << "at sector " << sector;
+  }
 }
 
 TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {

@@ -37,7 +37,8 @@ TEST(ClosestSurfacePoint, OfABallIsOnTheRayFromItsCentre) {
       // facet's slope, 0.03, times the distance; from inside it is farther beside, as towards the centre all directions become equal.
       EXPECT_NEAR(found->norm(), kBallRadiusM, 0.05 * kSpacingM) << height_m;
       EXPECT_LE((*found - kBallRadiusM * direction).norm(), 0.1 * kSpacingM + 0.05 * std::abs(height_m)) << height_m;
-      EXPECT_LE(std::abs(field.value(*found)), 1e-6 * kSpacingM) << "on the zero set";
+      // Three steps of Newton's method leave 2e-8 spacings at most, two leave up to 1e-6.
+      EXPECT_LE(std::abs(field.value(*found)), 1e-7 * kSpacingM) << "on the zero set";
     }
   }
 }
