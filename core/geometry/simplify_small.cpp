@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <queue>
 #include <span>
 #include <utility>
 #include <vector>
@@ -79,13 +80,12 @@ class Descent {
   // The distance of p from the closest triangle found, in a search that starts at a vertex.
   double find_distance(std::uint32_t from, const Vec3& p) {
     ++search_;
-    queue_.clear();
+    queue_ = {};
     visit_around(from, p);
-    double least = queue_.front().first;
+    double least = queue_.top().first;
     for (int idle = 0; idle < kMaxIdle && !queue_.empty() && least > 0.0; ++idle) {
-      std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-      const auto [distance, triangle] = queue_.back();
-      queue_.pop_back();
+      const auto [distance, triangle] = queue_.top();
+      queue_.pop();
       if (distance < least) least = distance, idle = 0;
       for (const std::uint32_t v : mesh_.triangles[triangle]) visit_around(v, p);
     }
@@ -97,8 +97,7 @@ class Descent {
     for (const std::uint32_t t : fans_[vertex]) {
       if (last_search_[t] == search_) continue;
       last_search_[t] = search_;
-      queue_.emplace_back(triangle_distance_squared(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)), t);
-      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+      queue_.emplace(triangle_distance_squared(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)), t);
     }
   }
 
@@ -106,7 +105,8 @@ class Descent {
   Fans fans_;
   std::vector<std::uint32_t> last_search_;
   std::uint32_t search_ = 0;
-  std::vector<std::pair<double, std::uint32_t>> queue_;  // a heap, the nearest first
+  using Visit = std::pair<double, std::uint32_t>;                         // squared distance, triangle
+  std::priority_queue<Visit, std::vector<Visit>, std::greater<>> queue_;  // the nearest first
 };
 
 // The largest distance of a vertex of `before` from `mesh`, which has the same vertices.
