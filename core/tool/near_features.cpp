@@ -1,6 +1,7 @@
 #include "core/tool/near_features.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -218,7 +219,7 @@ NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, con
   PlaneGap found;
   found.is_separated = above.cwiseMax(below).maxCoeff(&axis) > 0.0;
   if (!found.is_separated) return found;
-  found.direction[axis] = above[axis] > 0.0 ? 1.0 : -1.0;
+  found.direction[axis] = std::copysign(1.0, above[axis]);
   found.gap = (tool.box.low - scene.box.high).cwiseMax(scene.box.low - tool.box.high).cwiseMax(0.0).norm();
   return found;
 }

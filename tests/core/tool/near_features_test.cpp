@@ -209,6 +209,25 @@ TEST_F(NearFeaturesTest, FollowFindsAllThatACollectThereFinds) {
   EXPECT_GT(compared_features, 1000U);
 }
 
+// A triangle of the tool that is thousands of times as long as the scene, and so thin that rounding turns its normal far: no plane along
+// this normal may hide the corner of the scene that its longest edge touches.
+TEST_F(NearFeaturesTest, TheNormalOfALongThinTriangleHidesNothing) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  constexpr double kHalfLength = 1000.0;
+  const ObjectGeometry needle{{{{-kHalfLength, 0, 0}, {kHalfLength, 0, 0}, {0.3 * kHalfLength, 1e-9, 0}}, {{0, 1, 2}}},
+                              {Vec3::Zero(), scene.unit_m()}};
+  NearFeatures near_needle{needle, scene};
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 corner = scene.corner(static_cast<std::uint32_t>(random() % scene.triangle_count()), n % 3);
+    const Quat turn = turn_by(3.0 * Vec3(uniform(random), uniform(random), uniform(random)));
+    const Vec3 touched(0.5 * kHalfLength / scene.unit_m() * uniform(random), 0.0, 0.0);
+    ASSERT_TRUE(near_needle.collect({(1.0 + 1e-7 * uniform(random)) * corner - turn * touched, turn}, 1e-6, 0.0));
+    double least = 1e300;
+    for (const NearFeature& feature : near_needle.features()) least = std::min(least, feature.gap.distance);
+    EXPECT_LT(least, 2e-7) << "case " << n;
+  }
+}
+
 TEST_F(NearFeaturesTest, NothingIsFoundFarAway) {
   ASSERT_TRUE(near.collect({Vec3(50.0, 0.0, 0.0), Quat::Identity()}, 1.0, 0.0));
   EXPECT_TRUE(near.features().empty());

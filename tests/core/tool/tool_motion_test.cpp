@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <string>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/held_tool.h"
@@ -386,6 +387,16 @@ TEST(ToolAndMotion, TooManyMovingPartsAreAnErrorInOneLine) {
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().what,
             "33 parts of the scene move by themselves; a rigid tool touches 32 at most: let some stand still, or move together");
+}
+
+TEST(ToolAndMotion, TheDescriptionCountsWhatMovesWithTheRest) {
+  const std::string text = make_moving_step(kCube, {kSlab, kCube, kSlab, kCube}, {0, 1, 1, 2})->describe();
+  const std::size_t triangles = 2 * kSlab.triangles.size() + 2 * kCube.triangles.size();
+  EXPECT_NE(text.find("tool: " + std::to_string(kCube.triangles.size()) + " triangles, "), std::string::npos) << text;
+  EXPECT_NE(text.find("scene: " + std::to_string(triangles) + " triangles in 4 objects\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("objects that move by themselves: 3, in parts: 2\n"), std::string::npos) << text;
+  const std::string still = make_moving_step(kCube, {kSlab, kCube}, {})->describe();
+  EXPECT_EQ(still.find("move by themselves"), std::string::npos) << still;
 }
 
 TEST(ToolAndMotion, UsesNoHeap) {
