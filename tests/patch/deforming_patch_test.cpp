@@ -297,6 +297,50 @@ TEST(DeformingPatch, ImpossibleDeformationsAreRejected) {
   EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.tile_count = ~0U; }));
 }
 
+// Whether a body may deform like this: one vertex moves along z by the displacements of its targets, at the given weights. All numbers are
+// exact as floats.
+bool may_deform(const std::vector<float>& z_m, const std::vector<MorphKey>& keys) {
+  PatchDeformation head{.tile_count = 1,
+                        .displaced_count = static_cast<std::uint32_t>(z_m.size()),
+                        .target_count = static_cast<std::uint32_t>(z_m.size()),
+                        .all_keys = static_cast<std::uint32_t>(keys.size()),
+                        .key_count = static_cast<std::uint32_t>(keys.size())};
+  std::size_t number = 0;
+  for (const MorphKey& key : keys) {
+    head.keys[number++] = key.time_s;
+    for (const double weight : key.weights) head.keys[number++] = weight;
+  }
+  DeformingParts parts;
+  EXPECT_TRUE(parts.accept(head));
+  std::vector<PatchDisplacements> displaced(z_m.size());
+  std::vector<DeformingParts::DisplacedTile> tiles;
+  const std::vector<std::uint32_t> vertices = {0};
+  for (std::uint32_t j = 0; j < z_m.size(); ++j) {
+    displaced[j].target = j;
+    displaced[j].vertex_count = 1;
+    displaced[j].by_m[2] = z_m[j];
+    tiles.push_back({vertices, &displaced[j]});
+  }
+  return parts.make(tiles) != nullptr;
+}
+
+// The fastest motion that a scene may have, 0.25 m/s, is still accepted after its displacements were rounded to floats, and little more is.
+TEST(DeformingPatch, TheFastestDeformationMayBeRounded) {
+  const std::vector<MorphKey> one_way = {{0.0, {0.0}}, {0.5, {0.5}}};
+  for (const int ulps : {0, 9}) EXPECT_TRUE(may_deform({0.25F + static_cast<float>(ulps) * 0x1p-25F}, one_way)) << ulps;
+  EXPECT_FALSE(may_deform({0.25F + 10.0F * 0x1p-25F}, one_way)) << "faster by more than 1e-6, and the rounding of a float";
+  // Two large displacements that nearly cancel out, each of which may be rounded.
+  const auto far_to = [](float ulps) { return 64.25F + ulps * 0x1p-17F; };
+  for (const auto& [z_m, key] : {std::pair(-64.0F, MorphKey{0.5, {0.5, 0.5}}), std::pair(64.0F, MorphKey{0.5, {0.5, -0.5}})}) {
+    const std::vector<MorphKey> keys = {{0.0, {0.0, 0.0}}, key};
+    for (const float ulps : {0.0F, 2.0F}) EXPECT_TRUE(may_deform({far_to(ulps), z_m}, keys)) << ulps;
+    EXPECT_FALSE(may_deform({far_to(3.0F), z_m}, keys));
+    // A part of the way that is too fast, after one that is not.
+    const MorphKey then{0.75, {0.75 + key.weights[0] / 2.0, key.weights[1] * 2.0}};
+    EXPECT_FALSE(may_deform({far_to(0.0F), z_m}, {keys[0], keys[1], then}));
+  }
+}
+
 TEST(DeformingPatch, StepsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ChainStage stage(cushion_on_floor(0.4, true));

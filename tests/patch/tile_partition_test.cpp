@@ -106,6 +106,39 @@ TEST(TilePartition, CellsAndEmptyChildrenCoverAllSpace) {
   EXPECT_EQ(volume, std::ldexp(1.0, 3 * kPatchGridBits));
 }
 
+// What deforms is felt only once all of it has been received, so no cell lists it. A body without tiles has no root either.
+TEST(TilePartition, OnlyABodyThatKeepsItsShapeHasCells) {
+  const auto square = [](double z) {
+    TouchObject object{made::shared(made::sheet(0.01, z, 4)), Material()};
+    return object;
+  };
+  const auto deforming = [&](double z) {
+    TouchObject object = square(z);
+    object.deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{{0}, {Vec3(0, 0, 0.001)}}},
+                                                                 std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
+    return object;
+  };
+  TouchObject streamed = square(0.04);
+  streamed.stream_reach_m = 0.002;
+  TouchObject commanded = square(0.06);
+  commanded.command_pivot = Vec3(0, 0, 0.06);
+  const TiledScene tiled = make_tiles({.objects = {deforming(0.0), commanded, streamed, deforming(0.08)}});
+  ASSERT_EQ(tiled.bodies.size(), 5U);
+  std::size_t with_root = 0;
+  for (const TileBody& body : tiled.bodies) {
+    const bool is_commanded = body.group.objects == std::vector<int>{1};
+    EXPECT_EQ(body.root >= 0, is_commanded);
+    EXPECT_EQ(body.deforms(), !is_commanded && !body.group.objects.empty());
+    EXPECT_EQ(body.tile_count > 0, !body.group.objects.empty());
+    with_root += body.root >= 0 ? 1 : 0;
+  }
+  EXPECT_EQ(with_root, 1U);
+  EXPECT_TRUE(tiled.bodies.front().group.objects.empty()) << "nothing stands still";
+  ASSERT_EQ(tiled.cells.size(), 1U);
+  EXPECT_EQ(tiled.nodes.size(), 1U);
+  for (const std::uint32_t tile : tiled.cells.front().tiles) EXPECT_EQ(tiled.tiles[tile].object, 1U);
+}
+
 TEST(TilePartition, AnEmptySceneHasNoTilesAndNoCells) {
   const TiledScene tiled = make_tiles({});
   EXPECT_TRUE(tiled.tiles.empty());
