@@ -29,6 +29,22 @@ TEST(VelocityEstimators, AreExactAtASteadySpeedThatIsReadExactly) {
   }
 }
 
+// A reset forgets all motion before it: the estimates are then those of a new estimator.
+TEST(VelocityEstimators, AfterAResetNothingOfTheMotionBeforeCounts) {
+  for (const VelocityFilter& filter : velocity_filters()) {
+    const auto used = make_velocity_estimator(filter, kStepM);
+    const auto fresh = make_velocity_estimator(filter, kStepM);
+    used->reset(-0.1);
+    for (int k = 1; k <= 50; ++k) used->step(-0.1 + 0.004 * k, 1.5 * kPeriodS);
+    used->reset(0.02);
+    fresh->reset(0.02);
+    for (int k = 1; k <= 50; ++k) {
+      const double position_m = 0.02 + 0.003 * std::sin(0.1 * k);
+      ASSERT_EQ(used->step(position_m, kPeriodS), fresh->step(position_m, kPeriodS)) << filter.name() << ", sample " << k;
+    }
+  }
+}
+
 // The lags in closed form: half a period for the difference, and what a first-order low-pass adds to that.
 TEST(VelocityEstimators, LagAsTheoryHasIt) {
   EXPECT_NEAR(measure_velocity({}, kPeriodS, 0.0).lag_s, 0.5 * kPeriodS, 1e-9);
