@@ -8,6 +8,9 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "core/geometry/closest_point.h"
 #include "tests/support/made_meshes.h"
@@ -43,6 +46,13 @@ TEST(TeachShapes, ContactShowsTheTrianglesAndPlanesAtTheProbe) {
   ASSERT_EQ(shapes.triangles.size(), 1U) << shapes.caption;
   // Three sides of the triangle, four sides of the plane's square, the plane's normal, the penetration vector.
   EXPECT_EQ(shapes.lines.size(), 9U);
+  const TeachTriangle& touched = shapes.triangles.front();
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(shapes.lines[k].from, touched.corner[k]);
+    EXPECT_EQ(shapes.lines[k].to, touched.corner[(k + 1) % 3]);
+    EXPECT_EQ(shapes.lines[k].colour, (TeachColour{255, 190, 40}));
+    EXPECT_EQ(touched.colour[k], (TeachColour{153, 114, 24})) << "darker, so that its sides are visible";
+  }
   const TeachLine& normal = shapes.lines[7];
   EXPECT_GT((normal.to - normal.from).dot(probe.force_S_n), 0.0) << "towards the force";
   probe.is_contact = false;
@@ -81,6 +91,22 @@ TEST(TeachShapes, APlaneIsASquareAtTheClosestPoint) {
   EXPECT_EQ(make_contact_shapes(smooth, probe).caption, "contact: none");
 }
 
+// Triangles of one flat face are one plane; in front of the middle of a face of a box, at an edge and at a corner.
+TEST(TeachShapes, AFlatFaceIsOnePlane) {
+  const SmoothScene smooth = make_smooth_scene({.objects = {{made::shared(made::box(Vec3(0, 0, 0), Vec3(0.04, 0.04, 0.04))), {}}}});
+  for (const auto& [p_SP, planes] : {std::pair(Vec3(0.02, 0.02, 0.04), 1), {Vec3(0.04, 0.02, 0.04), 2}, {Vec3(0.04, 0.04, 0.04), 3}}) {
+    TeachProbe probe;
+    probe.p_SP = p_SP;
+    probe.p_SD = p_SP - Vec3(0.001, 0.001, 0.001);
+    probe.force_S_n = Vec3(1, 1, 1);
+    probe.is_contact = true;
+    const TeachShapes shapes = make_contact_shapes(smooth, probe);
+    EXPECT_GE(shapes.triangles.size(), 2U);
+    EXPECT_NE(shapes.caption.find(planes == 1 ? ", 1 plane, " : fmt::format(", {} planes, ", planes)), std::string::npos) << shapes.caption;
+    EXPECT_EQ(shapes.lines.size(), 3 * shapes.triangles.size() + 5 * static_cast<std::size_t>(planes) + 1);
+  }
+}
+
 // A sphere probe is in contact with all triangles within its radius.
 TEST(TeachShapes, ABallIsInContactByItsRadius) {
   const TouchScene scene = make_sphere_scene();
@@ -91,11 +117,19 @@ TEST(TeachShapes, ABallIsInContactByItsRadius) {
     probe.radius_m = radius_m;
     const double contact_distance_m = radius_m + 2e-4 * smooth.diagonal();
     std::size_t expected = 0;
+    std::vector<Vec3> normals;  // the two triangles of a quadrilateral have the same one
     const TriangleMesh& mesh = *scene.objects[0].mesh;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      expected += closest_point(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), probe.p_SP).distance <= contact_distance_m ? 1 : 0;
+      const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+      if (closest_point(a, b, c, probe.p_SP).distance > contact_distance_m) continue;
+      ++expected;
+      const Vec3 normal = (b - a).cross(c - a).normalized();
+      if (std::none_of(normals.begin(), normals.end(), [&](const Vec3& n) { return (n - normal).norm() < 1e-3; }))
+        normals.push_back(normal);
     }
-    EXPECT_EQ(make_contact_shapes(smooth, probe).triangles.size(), expected) << radius_m;
+    const TeachShapes shapes = make_contact_shapes(smooth, probe);
+    EXPECT_EQ(shapes.triangles.size(), expected) << radius_m;
+    EXPECT_EQ(shapes.lines.size(), 3 * expected + 5 * normals.size() + 1) << radius_m;
     EXPECT_EQ(expected > 0, radius_m > 0.01) << radius_m;
   }
 }
