@@ -60,7 +60,7 @@ int capture(const Options& options, const Address& hub) {
   auto node_side = open_udp_endpoint(options.listen);
   auto hub_side = open_udp_endpoint("127.0.0.1:0");
   if (!listen || !node_side || !hub_side) {
-    std::fprintf(stderr, "flood: cannot listen at %s\n", options.listen.c_str());
+    std::fprintf(stderr, "hapton_flood: cannot listen at %s\n", options.listen.c_str());
     return 1;
   }
   SteadyClock clock;

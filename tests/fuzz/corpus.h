@@ -36,7 +36,8 @@ inline std::vector<Bytes> read_corpus(const std::string& target) {
 // Returns one of the inputs, in which a few bytes are changed, removed or inserted, or the end is that of another input.
 inline Bytes mutate(const std::vector<Bytes>& inputs, std::mt19937_64& random) {
   Bytes bytes = inputs[random() % inputs.size()];
-  for (std::uint64_t change = 0; change < 1 + random() % 8; ++change) {
+  const std::uint64_t change_count = 1 + random() % 8;
+  for (std::uint64_t change = 0; change < change_count; ++change) {
     const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(random() % (bytes.size() + 1));
     const auto value = static_cast<std::uint8_t>(random());
     switch (random() % 4) {

@@ -64,7 +64,8 @@ TEST(SceneCheck, ASavedSceneFileIsFeltAndOneWithAnErrorIsNot) {
   EXPECT_TRUE(says("its materials fade in")) << haptics.err();
   save("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1\n");
   EXPECT_TRUE(says("its effects fade in")) << haptics.err();
-  (void)system.wait_for_report([&](const Json& now) { return note(now, "scene_hash") != note(first, "scene_hash"); });
+  const auto is_changed = [&](const Json& now) { return note(now, "scene_hash") != note(first, "scene_hash"); };
+  EXPECT_TRUE(is_changed(system.wait_for_report(is_changed)));
 }
 
 #ifdef HAPTON_WITH_VISION
@@ -105,8 +106,9 @@ TEST(SceneCheck, TwoNodesWithDifferentToolsSaySo) {
 TEST(SceneCheck, TwoNodesWithTheSameSceneSayNothing) {
   System system;
   for (const std::string& node : kNodes) system.start(node);
-  (void)system.wait_for_report(is_complete);
-  (void)system.wait_for_report([](const Json& now) { return is_drawn(now) && has_contact(now); });
+  ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
+  const auto is_seen_and_felt = [](const Json& now) { return is_drawn(now) && has_contact(now); };
+  ASSERT_TRUE(is_seen_and_felt(system.wait_for_report(is_seen_and_felt)));
   for (const char* node : {"haptics_node", "vision_node"}) EXPECT_THAT(system[node].err(), Not(HasSubstr("another scene"))) << node;
 }
 

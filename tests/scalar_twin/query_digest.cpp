@@ -113,6 +113,8 @@ int main() {
   RandomNumbers numbers;
   const TriangleMesh mesh = make_rough_torus(numbers);
   const TouchGeometry geometry({&mesh});
-  fmt::print("seed {}, touch {:016x}, hulls {:016x}, pairs {:016x}\n", kSeed, digest_touch(geometry, numbers), digest_hulls(mesh, numbers),
-             digest_pairs(numbers));
+  const auto touch = digest_touch(geometry, numbers);
+  const auto hulls = digest_hulls(mesh, numbers);
+  const auto pairs = digest_pairs(numbers);
+  fmt::print("seed {}, touch {:016x}, hulls {:016x}, pairs {:016x}\n", kSeed, touch, hulls, pairs);
 }

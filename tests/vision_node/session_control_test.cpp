@@ -91,7 +91,7 @@ TEST(SessionControl, TheLineOfASecondPictureIsDraggedAsWell) {
   ControlledRecording recording;
   recording.mouse(WindowEvent::Kind::press, 320, 5, 640);
   EXPECT_NEAR(recording.player.moment_s(), 2.0, 0.02);
-  recording.mouse(WindowEvent::Kind::press, 320, 300, 640);
+  recording.mouse(WindowEvent::Kind::press, 480, 300, 640);
   EXPECT_NEAR(recording.player.moment_s(), 2.0, 0.02) << "a press on the scene leads no hand, and seeks nothing";
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,21 +19,20 @@ TEST(ObjectGeometry, HoldsTheMeshesTriangles) {
   const LocalFrame frame{.origin = Vec3(0.01, 0, 0), .unit_m = 0.0625};
   const ObjectGeometry object(mesh, frame);
   ASSERT_EQ(object.triangle_count(), mesh.triangles.size());
-  const auto less = [](const Vec3& a, const Vec3& b) {
-    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-  };
   std::vector<Vec3> expected;
   std::vector<Vec3> found;
   for (std::uint32_t t = 0; t < object.triangle_count(); ++t) {
     expected.push_back((mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0);
     found.push_back(frame.to_scene((object.corner(t, 0) + object.corner(t, 1) + object.corner(t, 2)) / 3.0));
   }
-  std::sort(expected.begin(), expected.end(), less);
+  std::set<Vec3*> nearest_of_all;
   for (const Vec3& centroid : found) {
     const auto nearest = std::min_element(expected.begin(), expected.end(),
                                           [&](const Vec3& a, const Vec3& b) { return (a - centroid).norm() < (b - centroid).norm(); });
     EXPECT_LE((*nearest - centroid).norm(), 1e-15);
+    nearest_of_all.insert(&*nearest);
   }
+  EXPECT_EQ(nearest_of_all.size(), expected.size()) << "each triangle once";
 }
 
 TEST(ObjectGeometry, BoundsAreThoseOfItsVertices) {
