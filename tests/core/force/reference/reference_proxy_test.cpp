@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <random>
 #include <vector>
@@ -73,6 +74,40 @@ TEST(ReferenceProxy, FrictionCanBeLeftOut) {
   EXPECT_NEAR((proxy.surface_position(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.04, 1e-9);
   proxy.follow(device, device, {.friction = false});
   EXPECT_NEAR((proxy.surface_position(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.0, 1e-14);
+}
+
+// A sphere touches the floor and a slanted edge, so its centre moves on an ellipse, along which its pull turns. The device is held, and the
+// sphere slips until the pull is on the dynamic cone. With straight motions it would need some hundred.
+TEST(ReferenceProxy, AFloorAndAnEdgeLeadASphereUnderFrictionOnAnEllipse) {
+  constexpr double kRadius = 0.1;
+  constexpr double kMu = 0.1;
+  for (const double rise : {0.6, 0.7, 0.8, 0.9}) {
+    ReferenceProxy proxy(kRadius, {Material{.friction_static = kMu, .friction_dynamic = kMu}}, 4);
+    add_floor(proxy);
+    const Vec3 edge(std::sqrt(1.0 - rise * rise), 0, rise);
+    const Vec3 crossing(0, 0, kRadius);  // of the edge and the plane in which the centre moves
+    proxy.add_face({PreparedTriangle(crossing - 1.5 * kRadius * edge, crossing + 2.0 * kRadius * edge, Vec3(0.4, 0, 0.05)), 2, 0});
+    const auto centre_at = [&](double angle) { return Vec3(-kRadius / rise * std::cos(angle), kRadius * std::sin(angle), kRadius); };
+    const Vec3 device(-0.02, 0.08, -0.1);
+    const auto excess_at = [&](double angle) {
+      const Vec3 pull = device - centre_at(angle);
+      const double along = pull.dot(Vec3(std::sin(angle) / rise, std::cos(angle), 0).normalized());
+      return along - kMu * std::sqrt(pull.squaredNorm() - along * along);
+    };
+    double moving = 0.0;
+    double held = 1.5;
+    ASSERT_GT(excess_at(moving), 0.0);
+    ASSERT_LT(excess_at(held), 0.0);
+    proxy.place_held(centre_at(moving), true);
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (moving + held);
+      (excess_at(middle) > 0.0 ? moving : held) = middle;
+    }
+    proxy.follow(device, device, {});
+    EXPECT_LT((proxy.state().position - centre_at(held)).norm(), 1e-10) << rise;
+    EXPECT_LT(proxy.counters().motions, 90U) << rise;
+    EXPECT_TRUE(proxy.state().sliding) << rise;
+  }
 }
 
 std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const TriangleMesh& mesh) {
