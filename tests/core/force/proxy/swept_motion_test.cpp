@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -164,6 +165,45 @@ TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
   EXPECT_LT(calls, kMaxCalls);
   EXPECT_NEAR(stage.position().x(), 0.02, 1e-3);  // it touches the cluster from the side
   EXPECT_GE(stage.distance_by_brute_force(), stage.clearance.offset - stage.clearance.slop);
+}
+
+// A sphere touches the floor and a slanted edge. With both in contact its centre can only move on an ellipse, on which it is pulled to the
+// place nearest to the device.
+TEST(SweptMotion, ASphereDescendsAlongTheCurveAboutAFloorAndAnEdge) {
+  constexpr double kBallRadius = 0.1;
+  for (const double rise : {0.7, 0.8, 0.9}) {
+    const Vec3 edge(std::sqrt(1.0 - rise * rise), 0, rise);
+    const Vec3 crossing(0, 0, kBallRadius);  // of the edge and the plane in which the centre moves
+    TriangleMesh mesh = make_plane_grid(2.0, 1);
+    for (const Vec3& corner : {Vec3(crossing - 4.0 * kBallRadius * edge), Vec3(crossing + 4.0 * kBallRadius * edge), Vec3(0.9, 0, 0.05)}) {
+      mesh.vertices.push_back(corner);
+    }
+    const auto last = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+    mesh.triangles.push_back({last - 2, last - 1, last});
+    const double unit_m = SweptStage(mesh).geometry.unit_m();
+    SweptStage stage(mesh,
+                     {.offset = kBallRadius / unit_m + kSweptOffset, .slop = 0.5 * kSweptOffset, .tolerance = 0x1p-10 * kSweptOffset});
+    const auto centre_at = [&](double angle) {
+      return Vec3(-kBallRadius / rise * std::cos(angle), kBallRadius * std::sin(angle), kBallRadius);
+    };
+    const Vec3 device(-0.08, 0.04, -0.02);
+    const auto pull_at = [&](double angle) { return (device - centre_at(angle)).dot(Vec3(std::sin(angle) / rise, std::cos(angle), 0)); };
+    double before = 0.1;
+    double beyond = 1.5;
+    ASSERT_GT(pull_at(before), 0.0);
+    ASSERT_LT(pull_at(beyond), 0.0);
+    stage.put(centre_at(before) + 1e-6 * Vec3::UnitZ());
+    stage.device = stage.geometry.to_local(device);
+    bool has_settled = false;
+    for (int i = 0; i < 4 && !has_settled; ++i) has_settled = stage.swept.descend(stage.proxy, stage.device);
+    EXPECT_TRUE(has_settled) << rise;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (before + beyond);
+      (pull_at(middle) > 0.0 ? before : beyond) = middle;
+    }
+    EXPECT_LT((stage.position() - centre_at(before)).norm(), 1e-6) << rise;
+    EXPECT_EQ(stage.proxy.active_count, 2) << rise;
+  }
 }
 
 class SweptMotionInSoup : public testing::TestWithParam<unsigned> {};
