@@ -307,8 +307,8 @@ TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
         joined(made::box({-0.5, -0.05, half}, {0.0, 0.05, 0.5}), made::box({-0.5, -0.05, -0.5}, {0.0, 0.05, -half}));
     const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(blocks), {}}}}).value();
     method->reset({0.3, 0.03, 0.0});
-    MethodOutput output = method->step({.p_SD = device});
-    for (int i = 0; method->carried_from() && i < 64; ++i) output = method->step({.p_SD = device});
+    const MethodOutput output = method->step({.p_SD = device});
+    EXPECT_FALSE(method->carried_from()) << share << ": it arrives in one step";
     EXPECT_FALSE(output.contact) << share << ": " << output.p_SP.transpose();
     EXPECT_EQ(output.p_SP, device) << share;
   }
