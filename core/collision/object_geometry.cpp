@@ -127,8 +127,8 @@ Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) con
   const Vec3& b = corner(t, 1);
   const Vec3& c = corner(t, 2);
   const Vec3 normal = accurate_cross(b - a, c - a);
-  if (normal.isZero(0.0)) return Vec3::Zero();
   const double area_squared = normal.squaredNorm();
+  if (!(area_squared > 0.0)) return Vec3::Zero();
   const double v = std::clamp(normal.dot((on_triangle - a).cross(c - a)) / area_squared, 0.0, 1.0);
   const double w = std::clamp(normal.dot((b - a).cross(on_triangle - a)) / area_squared, 0.0, 1.0 - v);
   const auto& [i, j, k] = surface_->corner_normals[t];
