@@ -57,6 +57,26 @@ TEST(SmoothMethod, IsReleasedAtAConvexEdge) {
   EXPECT_NEAR(side.force_n.x(), 1.5, kOffsetForce);
 }
 
+// Beyond the boundary of a sheet, the probe is held as long as it is behind the faces there.
+TEST(SmoothMethod, TheBoundaryOfASheetHoldsAProbeThatIsBehindIt) {
+  const auto method = make_smooth(scene_of(made::sheet(0.05, 0.0, 4)));
+  const double tolerance = method->scene().tolerance();
+  for (const double side : {1.0, -1.0}) {
+    for (const double depth : {0.001, 2.0 * tolerance, 0.5 * tolerance, -0.5 * tolerance}) {
+      method->reset(Vec3(0.0495, 0.003, side * 0.001));
+      method->step({.p_SD = Vec3(0.0495, 0.003, -side * 0.001)});
+      ASSERT_TRUE(method->is_inside());
+      method->step({.p_SD = Vec3(0.0505, 0.003, -side * 0.001)});
+      ASSERT_TRUE(method->is_inside());
+      const MethodOutput felt = method->step({.p_SD = Vec3(0.0505, 0.003, -side * depth)});
+      EXPECT_EQ(method->is_inside(), depth > tolerance) << depth;
+      if (depth > tolerance) {
+        EXPECT_LT((felt.p_SP - Vec3(0.05, 0.003, 0.0)).norm(), 1e-8) << depth;
+      }
+    }
+  }
+}
+
 // In a groove the probe is held by both walls at once, at the bottom.
 TEST(SmoothMethod, AGrooveHoldsAtItsBottom) {
   const auto method = make_smooth(scene_of(make_gutter(0.1, 0.03, 0.5 * std::numbers::pi, 8)));
