@@ -143,6 +143,35 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));
 
+// The device is so near to the edge or vertex that the cone hardly depends on the position of the centre. The flow is on the
+// cone there as well: it corrects the time.
+TEST(OffsetDrag, TheFlowStaysOnTheConeWhereThatHardlyDependsOnThePosition) {
+  for (const bool is_edge : {true, false}) {
+    const SingleContactDrag single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0));
+    const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
+    const Vec3 out = Vec3(0.0, -1.0, 1.0).normalized();
+    const Vec3 along = Vec3(0.0, -1.0, -1.0).normalized();
+    const double mu = kRough.dynamic_mu;
+    const double depth = 1.05 * kDragOffset / (1.0 + mu * mu);
+    Vec3 start = origin + kDragOffset * out;
+    ASSERT_TRUE(single.drag.restore(start));
+    const Vec3 from = start + depth * (mu * along - out);
+    const Vec3 to = from + 0.1 * (along - 0.2 * out) + Vec3(0.05, 0.0, 0.0);
+    OffsetDrag::Pull pull;
+    ASSERT_TRUE(single.drag.find_pull(start, from, pull));
+    ASSERT_NEAR(single.drag.find_stability(pull), -0.05, 1e-12);
+    for (const double length : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+      OffsetDrag::Flow at{.centre = start};
+      int tests = 0;
+      ASSERT_TRUE(single.drag.flow(from, to, length, at, tests));
+      ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
+      EXPECT_LT(std::fabs(single.drag.find_stability(pull)), 0.125);
+      EXPECT_LE(std::fabs(pull.excess()), 0x1p-49) << "edge " << is_edge << ", length " << length;
+      EXPECT_NEAR(single.contacts[0].proximity(at.centre).distance, kDragOffset, 0x1p-49);
+    }
+  }
+}
+
 // On the line where two offset planes meet, the centre is mu times the depth behind the device's projection.
 TEST(OffsetDrag, AlongTheCurveOfTwoContactsThePullIsOnTheCone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
