@@ -91,7 +91,8 @@ TEST(StressParts, RibsAndLampsOfAnOpenFrontGoThroughItsOuterSurface) {
     }
     for (int i = 0; i < 2; ++i) {
       const auto first = lamps + static_cast<std::ptrdiff_t>(i * lamp_size);
-      const Vec3 centre = std::accumulate(first, first + static_cast<std::ptrdiff_t>(lamp_size), Vec3::Zero().eval()) / lamp_size;
+      const Vec3 centre =
+          std::accumulate(first, first + static_cast<std::ptrdiff_t>(lamp_size), Vec3::Zero().eval()) / static_cast<double>(lamp_size);
       EXPECT_NEAR(std::fabs(centre.x()), 0.035, 1e-12);
       lowest_lamp = std::min(lowest_lamp, height_above_front(centre));
       highest_lamp = std::max(highest_lamp, height_above_front(centre));
