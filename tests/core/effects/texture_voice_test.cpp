@@ -227,7 +227,32 @@ TEST(TextureVoice, IsNoLouderThanItsModelsWhereTheyChangeFast) {
   EXPECT_LT(loudest, 6.0 * texture.mass_kg * models->loudest_m_per_s2());
 }
 
+// In a gap of 1024 samples of the models no more of them are made than in one of kMaxSamples: the signal after both gaps is the same. After
+// a gap that is one sample shorter, the signal is another one.
 TEST(TextureVoice, ALongGapTakesABoundedNumberOfSamples) {
+  const RecordedTexture slow = {.models = made::texture(1024.0, 20, 0), .mass_kg = 0.01, .max_force_n = 10.0};
+  ASSERT_NE(slow.models, nullptr);
+  const auto signal_after_gap = [&](double gap_samples) {
+    constexpr double kStepS = 0x1p-10;  // one sample of the models: both are powers of two, so that the number of samples due is exact
+    TextureVoice voice;
+    const auto step = [&](double dt_s) { return voice.force(slow, {0.13, 0, 0}, Vec3::UnitZ(), 2.7, dt_s).y(); };
+    for (int n = 0; n < 1000; ++n) step(kStepS);
+    step(gap_samples * kStepS);
+    std::vector<double> signal;
+    for (int n = 0; n < 200; ++n) signal.push_back(step(kStepS));
+    return signal;
+  };
+  const std::vector<double> longest = signal_after_gap(TextureVoice::kMaxSamples);
+  const std::vector<double> longer = signal_after_gap(1024.0);
+  const std::vector<double> shorter = signal_after_gap(TextureVoice::kMaxSamples - 1);
+  double largest_n = 0.0, largest_difference_n = 0.0;
+  for (std::size_t n = 0; n < longest.size(); ++n) {
+    largest_n = std::max(largest_n, std::fabs(longest[n]));
+    largest_difference_n = std::max(largest_difference_n, std::fabs(longest[n] - shorter[n]));
+  }
+  EXPECT_GT(largest_difference_n, 0.1 * largest_n);
+  for (std::size_t n = 0; n < longest.size(); ++n) EXPECT_NEAR(longer[n], longest[n], 1e-6 * largest_n) << n;
+
   const RecordedTexture texture = {.models = made::texture(10000.0, 20, 0)};
   TextureVoice voice;
   for (const double dt_s : {1.0, 0.0, -1.0, 1e-9, 0.7}) {
