@@ -280,6 +280,12 @@ TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
   std::vector<bool> requested(meshes.size(), false);
   Vec3 p(-1.5, -1.5, -1.5);
   Vec3 velocity = Vec3::Zero();
+  // Position, range and result of the loop where the distance was last used up. From there on, what remains is that distance less the
+  // motion.
+  Vec3 searched_from = Vec3::Zero();
+  double searched_range = 0.0;
+  double searched_distance = 0.0;
+  std::size_t free_steps = 0;
   for (int step = 0; step < 4000; ++step) {
     velocity = 0.98 * velocity + 0.0005 * Vec3(normal(random), normal(random), normal(random)) - 0.0001 * p;
     p += velocity;
@@ -292,12 +298,28 @@ TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
       if (!requested[o]) expected_distance = std::min(expected_distance, std::max(0.0, distance_to_request));
     }
     EXPECT_LE(free_distance, expected_distance + 1e-12) << "step " << step;
+    double moved = (p - searched_from).norm() + std::max(0.0, range - searched_range);
+    if (!(moved < searched_distance)) {
+      searched_from = p;
+      searched_range = range;
+      searched_distance = expected_distance;
+      moved = 0.0;
+    }
+    const auto requested_count = static_cast<std::size_t>(std::count(requested.begin(), requested.end(), true));
+    const bool is_any_pending = requested_count + geometry.waiting_count() > meshes.size();  // requested, but not active yet
+    if (is_any_pending) {
+      EXPECT_EQ(free_distance, 0.0) << "step " << step;
+    } else {
+      EXPECT_GE(free_distance, searched_distance - moved - 1e-12) << "step " << step;
+      ++free_steps;
+    }
     while (geometry.build_requested()) {
     }
     ASSERT_EQ(geometry.built_count(), static_cast<std::size_t>(std::count(requested.begin(), requested.end(), true))) << "step " << step;
     if (geometry.waiting_count() == 0) break;
   }
   EXPECT_GT(geometry.built_count(), 100U) << "the motion came near too few objects for this test";
+  EXPECT_GE(free_steps, 20U);
 }
 
 TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
