@@ -14,6 +14,7 @@
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
 #include "tests/support/log_of.h"
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
@@ -266,19 +267,31 @@ TEST(VisionSession, TheTwelveFloatsArriveThoughTheFirstAreLost) {
   EXPECT_EQ(hub.transforms.back().X_WS, to_twelve_floats(dials.compute_pose(Vec3::Zero())));
 }
 
+// A picture of the contact is written while the session goes on: here it would go on for minutes, and ends once there is a picture.
 TEST(VisionSession, ScreenshotShowsTheContactOrElseTheEnd) {
-  const auto file = std::filesystem::temp_directory_path() / ("hapton_session_" + std::to_string(getpid()) + ".png");
+  const ScratchFolder folder;
   for (const bool contact : {true, false}) {
-    std::filesystem::remove(file);
     FakeHub hub;
     hub.touches_object = contact;
     VisionOptions options;
-    options.screenshot = file;
+    options.screenshot = folder.path() / (contact ? "contact.png" : "end.png");
+    if (contact) options.seconds = 300.0;
     Session vision(hub.address(), options);
-    ASSERT_TRUE(vision.session->run(vision.stop));
-    EXPECT_TRUE(std::filesystem::exists(file)) << contact;
+    std::atomic<bool> has_ended{false};
+    bool is_taken_during_session = false;
+    std::thread person([&] {
+      is_taken_during_session = wait_until([&] { return has_ended || std::filesystem::exists(options.screenshot); }) && !has_ended;
+      if (contact) vision.stop.request_stop();
+    });
+    Result<void> ended;
+    const std::string log = log_of([&] { ended = vision.session->run(vision.stop); });
+    has_ended = true;
+    person.join();
+    ASSERT_TRUE(ended);
+    EXPECT_TRUE(std::filesystem::exists(options.screenshot)) << contact;
+    EXPECT_TRUE(is_taken_during_session || !contact) << log;
+    EXPECT_EQ(log.find("shows no contact: ") == std::string::npos, contact) << log;
   }
-  std::filesystem::remove(file);
 }
 
 TEST(VisionSession, WithoutAHubItStillDrawsAndEndsInTime) {
