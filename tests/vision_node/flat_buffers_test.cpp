@@ -2,7 +2,9 @@
 // what is no longer drawn.
 #include "vision_node/flat_buffers.h"
 
+#include <array>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -12,6 +14,7 @@
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/vision_node/made_views.h"
+#include "vision_node/gl_program.h"
 #include "vision_node/gl_target.h"
 #include "vision_node/scene_layers.h"
 #include "vision_node/scene_painter.h"
@@ -89,7 +92,7 @@ TEST_F(DriverMemory, AFramebufferOfAnotherSizeReplacesTheOneBefore) {
 // VTK keeps a copy of the state that it has set, and draws wrongly where OpenGL has another state.
 TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   const auto read_state = [] {
-    std::vector<GLint> values;
+    std::map<GLenum, std::array<GLfloat, 4>> values;
     for (const GLenum name : {GL_DRAW_FRAMEBUFFER_BINDING,
                               GL_READ_FRAMEBUFFER_BINDING,
                               GL_CURRENT_PROGRAM,
@@ -101,6 +104,7 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
                               GL_VIEWPORT,
                               GL_SCISSOR_BOX,
                               GL_COLOR_CLEAR_VALUE,
+                              GL_LINE_WIDTH,
                               GL_DEPTH_WRITEMASK,
                               GL_COLOR_WRITEMASK,
                               GL_BLEND_SRC_RGB,
@@ -111,17 +115,33 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
                               GL_DEPTH_TEST,
                               GL_BLEND,
                               GL_CULL_FACE}) {
-      GLint value[4] = {};
-      glGetIntegerv(name, value);
-      values.insert(values.end(), value, value + 4);
+      values[name] = {};
+      glGetFloatv(name, values[name].data());
     }
     return values;
   };
+  const auto program = GlProgram::make("#version 150\nin vec3 position;\nvoid main() { gl_Position = vec4(position, 1.0); }\n",
+                                       "#version 150\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }\n");
+  ASSERT_TRUE(program) << program.error().what;
+  // Every value differs from the one that is set below.
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glDepthFunc(GL_LEQUAL);
+  glCullFace(GL_BACK);
+  glFrontFace(GL_CCW);
+  glViewport(0, 0, 64, 64);
+  glScissor(0, 0, 64, 64);
+  glClearColor(0.1F, 0.1F, 0.1F, 1.0F);
+  glLineWidth(1.0F);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   glDisable(GL_SCISSOR_TEST);
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glEnable(GL_CULL_FACE);
-  const std::vector<GLint> as_it_was = read_state();
+  const auto as_it_was = read_state();
   GlTarget target;
   FlatBuffers buffers;
   {
@@ -129,6 +149,7 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
     target.resize({32, 16}, {});
     target.bind();
     buffers = upload(make_level(false), 0);
+    program->use();
     glBindVertexArray(buffers.array);
     glBindBuffer(GL_ARRAY_BUFFER, buffers.buffer);
     glDepthFunc(GL_ALWAYS);
@@ -137,6 +158,7 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
     glViewport(1, 2, 3, 4);
     glScissor(5, 6, 7, 8);
     glClearColor(0.2F, 0.4F, 0.6F, 0.8F);
+    glLineWidth(0.5F);
     glDepthMask(GL_FALSE);
     glColorMask(GL_FALSE, GL_TRUE, GL_FALSE, GL_TRUE);
     glBlendFuncSeparate(GL_ONE, GL_ZERO, GL_DST_COLOR, GL_SRC_COLOR);
@@ -144,9 +166,9 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glDisable(GL_CULL_FACE);
-    EXPECT_NE(read_state(), as_it_was);
+    for (const auto& [name, value] : read_state()) EXPECT_NE(value, as_it_was.at(name)) << "state " << name << " is not set here";
   }
-  EXPECT_EQ(read_state(), as_it_was);
+  for (const auto& [name, value] : read_state()) EXPECT_EQ(value, as_it_was.at(name)) << "state " << name;
   release(buffers);
 }
 
