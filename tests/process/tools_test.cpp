@@ -139,14 +139,22 @@ TEST(Latency, OfARunningHubCoversOnlyTheMeasuredSeconds) {
   System system;
   system.start("io_node");
   system.start("haptics_node");
-  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  const Json before = system.wait_for_report([](const Json& now) { return has_contact(now) && count(now, "forces") > 500; });
+  ASSERT_GT(count(before, "forces"), 500);
   const std::string out = (system.folder() / "h").string();
   const Ended ran = hapton(system, {"latency", "--hosts", system.hub(), "--seconds", "1", "--out", out});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_THAT(ran.out, AllOf(HasSubstr("no bare echo"), HasSubstr("verdict at 1 kHz")));
   const Json report = Json::parse(read_text(system.folder() / "h" / "report.json"), nullptr, false);
   ASSERT_TRUE(report.is_object());
-  EXPECT_LT(count(report, "forces"), count(system.request_report(), "forces"));
+  // The measured second lies between two reports of the hub, which count from its start.
+  const Json after = system.request_report();
+  ASSERT_TRUE(after.is_object());
+  for (const char* counter : {"samples", "forces", "contact_samples"}) {
+    EXPECT_LE(count(report, counter), count(after, counter) - count(before, counter)) << counter;
+  }
+  EXPECT_GT(count(report, "forces"), 0);
+  EXPECT_LE(report.at("seconds").get<double>(), after.at("seconds").get<double>() - before.at("seconds").get<double>());
   EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
   const Ended both = hapton(system, {"latency", "run", "--hosts", system.hub(), "--rate", "2000"});
   EXPECT_EQ(both.exit_code, 2);
