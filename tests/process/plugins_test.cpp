@@ -250,24 +250,43 @@ TEST(Plugins, AnEffectActsBesideARigidTool) {
   }
 }
 
-TEST(Plugins, ADeviceFromAFileIsDrivenAndItsFaultLatched) {
-  const ScratchFolder scratch;
-  const std::string hub = "127.0.0.1:" + find_free_port();
-  Program io(
-      "io_node",
-      {"--bind", hub, "--device", "plugin:" + plugin("odd_device") + ":does=nan,after=500", "--out", (scratch.path() / "out").string()},
-      scratch.path());
-  ASSERT_TRUE(System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }));
-  EXPECT_THAT(io.out(), HasSubstr("device plugin line"));
-  std::string fault;
-  EXPECT_TRUE(System::wait_until([&] {
-    io.send_signal(SIGUSR1);
-    const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
-    fault = report.is_object() ? note_of(report, "safety_fault") : "";
-    return !fault.empty() && fault != "none";
-  })) << io.err();
-  io.send_signal(SIGTERM);
-  ASSERT_TRUE(io.wait(kPatience));
+// The device reports the force last written as its y: an effect of 0.1 mN is written to it, and read back.
+TEST(Plugins, ADeviceFromAFileIsDriven) {
+  constexpr double kForceN = 1e-4;
+  System system({"--device", "plugin:" + plugin("odd_device") + ":rests=1"});
+  std::ofstream(system.folder() / "cube.toml") << "[[object]]\nmesh = \"cube.obj\"\nunit = \"m\"\nposition_m = [0, 0, 0.5]\n"
+                                                  "[[effect]]\ntype = \"constant\"\nforce_n = [0, 0.0001, 0]\n";
+  system.start("io_node");
+  ASSERT_TRUE(System::wait_until([&] { return system["io_node"].out().starts_with("hub on ") || !system["io_node"].is_running(); }));
+  EXPECT_THAT(system["io_node"].out(), HasSubstr("device plugin line"));
+  system.start("haptics_node");
+  SessionObserver observer(system);
+  ProbeState state;
+  ASSERT_TRUE(observer.wait_for_force(state)) << "no force";
+  bool is_driven = false;
+  for (int n = 0; n < 10'000 && !is_driven; ++n) {
+    ASSERT_TRUE(observer.receive_state(state));
+    is_driven = std::abs(state.p_WD.y() - kForceN) < 1e-6 * kForceN;
+  }
+  EXPECT_TRUE(is_driven) << "y is " << state.p_WD.y() << " m, the force " << state.force_n.transpose() << " N";
+  system.end_all();
+}
+
+// Its poses are invalid for 100 reads only: the fault holds on although the cause is gone, until a person resets it.
+TEST(Plugins, TheFaultOfADeviceFromAFileIsLatched) {
+  System system({"--device", "plugin:" + plugin("odd_device") + ":rests=1,does=nan,after=500,until=600"});
+  system.start("io_node");
+  const auto is_past_cause = [](const Json& now) { return count(now, "samples") > 1500; };
+  const Json latched = system.wait_for_report(is_past_cause);
+  ASSERT_TRUE(latched.is_object() && is_past_cause(latched)) << system["io_node"].err();
+  EXPECT_EQ(note_of(latched, "safety_fault"), "position") << system["io_node"].err();
+  EXPECT_EQ(note_of(latched, "governor"), "latched");
+  const Ended reset = run("hapton", {"set", "--hub", system.hub(), "--reset-faults"}, system.folder()).value_or(Ended{});
+  EXPECT_EQ(reset.exit_code, 0) << reset.err;
+  const Json after_reset = system.wait_for_report([](const Json& now) { return note_of(now, "safety_fault") == "none"; });
+  ASSERT_TRUE(after_reset.is_object());
+  EXPECT_EQ(note_of(after_reset, "safety_fault"), "none") << system["io_node"].err();
+  system.end_all();
 }
 
 // The systemd unit does not start io_node again after this code (RestartPreventExitStatus).

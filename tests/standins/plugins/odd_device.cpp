@@ -1,5 +1,6 @@
 // A device that moves along x at 0.1 m/s; its y and z are the force and torque last written. Parameters: does=nan|exception|fault|away|
-// ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|write_exception, after=READS.
+// ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|write_exception; after=READS, until=READS:
+// the reads in which it does that; rests=1: x stays zero.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +14,9 @@ namespace {
 struct Line {
   std::string does;
   long after = 0;
+  long until = 0;  // 0: no end
   long reads = 0;
+  bool rests = false;
   double force_n = 0.0;
   double torque_nm = 0.0;
 };
@@ -24,6 +27,8 @@ void* open_line(const hapton_request* request, hapton_device_limits* limits) {
     const std::string key = request->parameters[p].key;
     if (key == "does") made.does = request->parameters[p].value;
     if (key == "after") made.after = std::atol(request->parameters[p].value);
+    if (key == "until") made.until = std::atol(request->parameters[p].value);
+    if (key == "rests") made.rests = std::atol(request->parameters[p].value) != 0;
   }
   if (made.does == "reject") {
     std::snprintf(request->why, request->why_size, "nothing is plugged in");
@@ -49,8 +54,9 @@ void* open_line(const hapton_request* request, hapton_device_limits* limits) {
 
 int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
   Line& line = *static_cast<Line*>(device);
-  const bool is_odd = line.reads++ >= line.after;
-  sample->position_m[0] = 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
+  const long read = line.reads++;
+  const bool is_odd = read >= line.after && (line.until == 0 || read < line.until);
+  sample->position_m[0] = line.rests ? 0.0 : 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
   sample->position_m[1] = line.force_n;
   sample->position_m[2] = line.torque_nm;
   sample->buttons = 5;
