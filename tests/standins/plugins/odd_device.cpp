@@ -54,8 +54,8 @@ void* open_line(const hapton_request* request, hapton_device_limits* limits) {
 
 int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
   Line& line = *static_cast<Line*>(device);
-  const long read = line.reads++;
-  const bool is_odd = read >= line.after && (line.until == 0 || read < line.until);
+  const long number = line.reads++;
+  const bool is_odd = number >= line.after && (line.until == 0 || number < line.until);
   sample->position_m[0] = line.rests ? 0.0 : 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
   sample->position_m[1] = line.force_n;
   sample->position_m[2] = line.torque_nm;
