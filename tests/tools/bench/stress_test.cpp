@@ -86,7 +86,10 @@ TEST(Stress, LongWalksComeOnTopWhereAVariantGetsTenThousandSteps) {
 TEST(Stress, RejectsAnUnknownMethod) {
   StressPlan plan = small_plan(1);
   plan.method.name = "no such method";
-  EXPECT_FALSE(run_stress({make_stress_body("box")}, plan, [](const StressResult&) {}).has_value());
+  const auto results = run_stress({make_stress_body("box")}, plan, [](const StressResult&) { ADD_FAILURE() << "it ran"; });
+  ASSERT_FALSE(results.has_value());
+  EXPECT_THAT(results.error().what, ::testing::StartsWith("method 'no such method' is not known; choose one of: "));
+  EXPECT_THAT(results.error().what, ::testing::HasSubstr("reference"));
 }
 
 // Each of these episodes once had faults, most of them fall-throughs. The notes say what was wrong, or where.
