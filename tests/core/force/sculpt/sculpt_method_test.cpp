@@ -195,6 +195,7 @@ TEST(SculptMethod, IsHeldWhereItTouchesAndNowhereElse) {
 }
 
 TEST(SculptMethod, IsDescribed) {
+  SCOPED_TRACE("seed 48");
   const auto step = step_of({.objects = {table_object(), clay_object(Vec3::Zero())}});
   const std::array<int, 3>& nodes = step->method().sculpture()->bodies()[0].field.nodes();
   const double mib = nodes[0] * nodes[1] * nodes[2] * 4.0 / 1048576.0;
@@ -206,6 +207,7 @@ TEST(SculptMethod, IsDescribed) {
 }
 
 TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {
+  SCOPED_TRACE("seed 41");
   const auto step = step_of({.objects = {table_object(), clay_object(Vec3::Zero())}});
   int carves = 0;
   std::uint32_t serial = 0;
@@ -232,6 +234,7 @@ TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {
 // Another object beside the clay, out of reach, changes nothing, whatever the method: it does not divide the step of a ball that cuts into
 // several steps.
 TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
+  SCOPED_TRACE("seed 7");
   TouchObject far = table_object();
   far.mesh = std::make_shared<const TriangleMesh>(scaled_and_moved(make_box(Vec3(0.02, 0.02, 0.02)), 1.0, Vec3(0, 0, -0.4)));
   for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
@@ -250,6 +253,7 @@ TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
 }
 
 TEST(SculptMethod, RepeatsToTheLastBit) {
+  SCOPED_TRACE("seed 42");
   const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object(), clay_object(Vec3(0.05, 0.01, 0.0), 0.02)}};
   const auto one = step_of(scene), other = step_of(scene);
   auto replica = std::make_unique<Sculpture>();  // gets only the carves; its fields must become the same
@@ -278,6 +282,7 @@ TEST(SculptMethod, RepeatsToTheLastBit) {
 
 // A hand of up to 2 m/s, the button down now and then: the centre of the ball stays out of the material, and a device inside it is pushed.
 TEST(SculptMethod, AFastHandNeverFallsThrough) {
+  SCOPED_TRACE("seed 47");
   std::mt19937_64 random(47);
   std::uniform_real_distribution<double> place(-0.045, 0.045), speed(0.2, 2.0);
   const auto step = step_of({.objects = {clay_object(Vec3::Zero())}});
@@ -302,6 +307,7 @@ TEST(SculptMethod, AFastHandNeverFallsThrough) {
 }
 
 TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
+  SCOPED_TRACE("seed 43");
   const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
   auto before = step_of(scene);
   for (const TouchInput& input : carving_hand(43, 3000)) before->step(input);
@@ -322,6 +328,7 @@ TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
 }
 
 TEST(SculptMethod, InATurnedSceneTheForceTurnsAlong) {
+  SCOPED_TRACE("seed 44");
   const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
   const auto straight = step_of(scene), turned = step_of(scene);
   Pose X_WS = Pose::Identity();
@@ -338,6 +345,7 @@ TEST(SculptMethod, InATurnedSceneTheForceTurnsAlong) {
 }
 
 TEST(SculptMethod, ASampleThatIsNotFiniteChangesNothing) {
+  SCOPED_TRACE("seed 45");
   const TouchScene scene{.objects = {clay_object(Vec3::Zero())}};
   const auto one = step_of(scene), other = step_of(scene);
   int i = 0;
@@ -353,6 +361,7 @@ TEST(SculptMethod, ASampleThatIsNotFiniteChangesNothing) {
 }
 
 TEST(SculptMethod, StepsUseNoHeap) {
+  SCOPED_TRACE("seed 46");
   if (!AllocationGuard::is_available()) GTEST_SKIP();
   const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object()}};
   const auto step = step_of(scene), next = step_of(scene);

@@ -18,6 +18,7 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
   cases.push_back({make_gutter(0.05, 0.02, 1.0, 4), 0.5});
   for (std::size_t c = 0; c < cases.size(); ++c) {
     const TouchScene scene = scene_of(cases[c].mesh);
+    SCOPED_TRACE(testing::Message() << "seed " << 91 + c);
     const std::vector<Vec3> path = wandering_path(cases[c].mesh, 91 + c, 1200);
     const auto twin = make_smooth(scene, with_size(64, cases[c].layer));
     twin->use_all_triangles();
@@ -45,6 +46,7 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
 
 // A real mesh of open, creased, thin pieces, and sets far too small for RADIUS: the force is still the same, and the overflows are counted.
 TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
+  SCOPED_TRACE("seed 95");
   const TriangleMesh mesh = scaled_and_moved(made::obj_mesh("car_front_3300.obj"), 5e-5, Vec3::Zero());
   ASSERT_EQ(mesh.triangles.size(), 3300U);
   const TouchScene scene = scene_of(mesh);
@@ -71,6 +73,7 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
 // Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late the
 // set is, the force is that of one task alone; the counters show how late it was.
 TEST(SmoothMethod, TheSlowTaskMayBeLate) {
+  SCOPED_TRACE("seed 97");
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const TouchScene scene = scene_of(mesh);
   const std::vector<Vec3> path = wandering_path(mesh, 97, 3000);
@@ -158,6 +161,7 @@ TEST(SmoothMethod, TheFullLayerUsesOfferedSets) {
 }
 
 TEST(SmoothMethod, PrepareMayRunBesideStep) {
+  SCOPED_TRACE("seed 105");
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const std::vector<Vec3> path = wandering_path(mesh, 105, 4000);
   const auto alone = make_smooth(scene_of(mesh));
@@ -237,6 +241,7 @@ TEST(SmoothMethod, ExchangingSetsDoesNotChangeTheForce) {
 }
 
 TEST(SmoothMethod, StepUsesNoHeap) {
+  SCOPED_TRACE("seed 101");
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   for (const std::uint32_t size : {16U, 64U, 256U}) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
-#include <string>
 
 #include "core/force/sliding_friction.h"
 
@@ -92,7 +91,7 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
 class RoundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
-  RecordProperty("seed", std::to_string(GetParam()));
+  SCOPED_TRACE(testing::Message() << "seed " << GetParam());
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] {
@@ -210,7 +209,7 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
 class DescentAroundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
-  RecordProperty("seed", std::to_string(GetParam()));
+  SCOPED_TRACE(testing::Message() << "seed " << GetParam());
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] {
@@ -258,6 +257,7 @@ TEST_P(DescentAroundAnEdgeOrVertex, FollowsThePullEverywhere) {
 
 // A descent that is longer than the line ends at the place nearest to the device.
 TEST_P(DescentAroundAnEdgeOrVertex, EndsNearestToTheDevice) {
+  SCOPED_TRACE(testing::Message() << "seed " << GetParam());
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (const bool is_edge : {true, false}) {

@@ -296,6 +296,7 @@ TEST(SphereFollowerWithFriction, AMotionAlongAnEdgeThatIsOnlyJustTouchedIsLeftTo
 }
 
 TEST(SphereFollowerWithFriction, UsesNoHeap) {
+  SCOPED_TRACE("seed 7");
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubbing);
   Wanderer wanderer(7);
   stage.put({0.3, 0.5, 0.7});
