@@ -7,25 +7,25 @@
 namespace hapton {
 namespace {
 
-using Kind = StateAcks::Kind;
+using AckKind = StateAcks::Kind;
 
 TEST(StateAcks, TheFirstFrameWithAStateAcknowledgesIt) {
   StateAcks acks;
-  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
-  EXPECT_EQ(acks.note(5 * kMs, 25 * kMs), Kind::none);
-  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs), Kind::first);
-  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kRepeatPeriodNs - 1), Kind::none) << "counted from the newest";
+  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), AckKind::first);
+  EXPECT_EQ(acks.note(5 * kMs, 25 * kMs), AckKind::none);
+  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs), AckKind::first);
+  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kRepeatPeriodNs - 1), AckKind::none) << "counted from the newest";
 }
 
 // An acknowledgement may be lost.
 TEST(StateAcks, LaterFramesAcknowledgeItAgainButNotEach) {
   StateAcks acks;
-  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
+  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), AckKind::first);
   int again = 0;
   for (std::int64_t n = 1; n <= 60; ++n) {
-    const Kind kind = acks.note(5 * kMs, 9 * kMs + n * 16'666'667);
-    ASSERT_NE(kind, Kind::first) << n;
-    again += kind == Kind::repeat ? 1 : 0;
+    const AckKind kind = acks.note(5 * kMs, 9 * kMs + n * 16'666'667);
+    ASSERT_NE(kind, AckKind::first) << n;
+    again += kind == AckKind::repeat ? 1 : 0;
   }
   EXPECT_EQ(again, 30) << "every second frame at 60 Hz";
 }

@@ -44,25 +44,25 @@ struct SampledEffect {
 };
 
 // A random effect of each type (a new type does not compile without one), and the distance from the origin over which its force changes.
-void make_random(Random& random, SpringEffect& made) {
+void draw_effect(Random& random, SpringEffect& made) {
   made = {.stiffness_n_per_m = log_between(random, 1.0, 1e6), .max_force_n = log_between(random, 0.1, 100.0)};
 }
-void make_random(Random& random, SnapEffect& made) {
+void draw_effect(Random& random, SnapEffect& made) {
   made = {.target = static_cast<SnapEffect::Target>(random() % 3),
           .direction = any_direction(random),
           .range_m = log_between(random, 1e-5, 1.0),
           .max_force_n = log_between(random, 0.1, 100.0)};
 }
-void make_random(Random& random, GravityWellEffect& made) {
+void draw_effect(Random& random, GravityWellEffect& made) {
   made = {.radius_m = log_between(random, 1e-5, 1.0), .max_force_n = log_between(random, 0.1, 100.0)};
 }
-void make_random(Random& random, ConstantEffect& made) { made = {.force_n = any_direction(random)}; }
-void make_random(Random& random, ViscousEffect& made) {
+void draw_effect(Random& random, ConstantEffect& made) { made = {.force_n = any_direction(random)}; }
+void draw_effect(Random& random, ViscousEffect& made) {
   made = {.damping_ns_per_m = log_between(random, 0.1, 1000.0), .max_force_n = log_between(random, 0.1, 100.0)};
 }
-void make_random(Random& random, WaveEffect& made) { made = {.direction = any_direction(random)}; }
-void make_random(Random& random, BurstEffect& made) { made = {.direction = any_direction(random)}; }
-void make_random(Random& random, MassEffect& made) { made = {.mass_kg = log_between(random, 0.001, 5.0)}; }
+void draw_effect(Random& random, WaveEffect& made) { made = {.direction = any_direction(random)}; }
+void draw_effect(Random& random, BurstEffect& made) { made = {.direction = any_direction(random)}; }
+void draw_effect(Random& random, MassEffect& made) { made = {.mass_kg = log_between(random, 0.001, 5.0)}; }
 
 double size_of(const SpringEffect& effect) { return effect.max_force_n / effect.stiffness_n_per_m; }
 double size_of(const SnapEffect& effect) { return effect.range_m; }
@@ -76,7 +76,7 @@ template <class Effect>
 void expect_stiffness_of(Random& random) {
   for (int n = 0; n < 50; ++n) {
     Effect effect;
-    make_random(random, effect);
+    draw_effect(random, effect);
     const SampledEffect sampled{effect};
     const auto force = [&](const Vec3& p) { return sampled.force_at(p); };
     const double size = size_of(effect);
@@ -96,7 +96,7 @@ void expect_viscosity_of(Random& random) {
   if (std::is_same_v<Effect, MassEffect>) return;  // has a limit of its own: hapton check and find_stable_mass
   for (int n = 0; n < 50; ++n) {
     Effect effect;
-    make_random(random, effect);
+    draw_effect(random, effect);
     const SampledEffect sampled{effect};
     const auto force = [&](const Vec3& v) { return sampled.force_at_velocity(v); };
     const double largest_ns_per_m = largest_slope(force, 1e-5 * any_direction(random), 1e-5);

@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 constexpr double kEdgeSphereRadius = 1e-6;
-constexpr double kContactOffset = 1e-7;
+constexpr double kCertainOffset = 1e-7;
 
 // Two strips that meet along the y axis; each rises by `slope` away from it.
 TriangleMesh make_concave_edge(double slope) {
@@ -29,8 +29,8 @@ bool is_certain_minimum(const TriangleMesh& mesh, const Vec3& proxy, const Vec3&
   return is_certain_minimum(mesh, boxes, proxy, device, radius);
 }
 
-const Vec3 kAboveEdge(0.0, 0.2, kContactOffset);
-const Vec3 kInCorner = Vec3::Constant(kContactOffset);
+const Vec3 kAboveEdge(0.0, 0.2, kCertainOffset);
+const Vec3 kInCorner = Vec3::Constant(kCertainOffset);
 
 TEST(CertainMinimum, AConcaveEdgeHoldsAProxyPulledStraightIntoIt) {
   EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.2, -0.5}, kEdgeSphereRadius));
@@ -70,8 +70,8 @@ TEST(CertainMinimum, ThreeFacesAtOneEdgeProveNothing) {
 
 TEST(CertainMinimum, TheMiddleOfAFaceHoldsOnlyWhatIsStraightBelow) {
   const TriangleMesh mesh = make_corner();
-  EXPECT_TRUE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.3, 0.3, -0.2}, kEdgeSphereRadius));
-  EXPECT_FALSE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.31, 0.3, -0.2}, kEdgeSphereRadius));
+  EXPECT_TRUE(is_certain_minimum(mesh, {0.3, 0.3, kCertainOffset}, {0.3, 0.3, -0.2}, kEdgeSphereRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.3, 0.3, kCertainOffset}, {0.31, 0.3, -0.2}, kEdgeSphereRadius));
 }
 
 TEST(CertainMinimum, FarFromEverythingNothingHolds) {
@@ -83,7 +83,7 @@ TEST(CertainMinimum, ASaddleIsNotProvedByItsConcaveEdges) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, -0.3}, {-1, 0, 0.3}, {0, -1, -0.3}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
-  EXPECT_FALSE(is_certain_minimum(mesh, {0.0, 0.0, kContactOffset}, {0.0, 0.0, -0.5}, kEdgeSphereRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.0, 0.0, kCertainOffset}, {0.0, 0.0, -0.5}, kEdgeSphereRadius));
 }
 
 }  // namespace

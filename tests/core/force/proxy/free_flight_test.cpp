@@ -12,11 +12,15 @@ namespace hapton {
 namespace {
 
 constexpr double kFlightOffset = 0x1p-30;
-constexpr Clearance kClearance{.offset = kFlightOffset, .slop = 0.5 * kFlightOffset, .tolerance = 0x1p-10 * kFlightOffset};
+constexpr Clearance kFlightClearance{.offset = kFlightOffset, .slop = 0.5 * kFlightOffset, .tolerance = 0x1p-10 * kFlightOffset};
 
 struct FlightStage {
   explicit FlightStage(const TriangleMesh& mesh, const Material& material = {})
-      : geometry({&mesh}), materials{material}, surfaces(geometry, materials), flight(surfaces, kClearance), surface(geometry, materials) {}
+      : geometry({&mesh}),
+        materials{material},
+        surfaces(geometry, materials),
+        flight(surfaces, kFlightClearance),
+        surface(geometry, materials) {}
 
   FreeFlight::Met fly(const Vec3& from_S, const Vec3& to_S, double& time) {
     surface.leave();

@@ -19,17 +19,17 @@ namespace hapton {
 namespace {
 
 constexpr double kSlitProbeRadius = 0.004;
-constexpr double kGap = 0.005;  // of the slit, x = 0 to kGap
-constexpr double kEnd = -0.03;  // of its closed end, z
-constexpr double kMouth = 0.0;  // z
-const Vec3 kStart(0.0022, 0.003, -0.01);
+constexpr double kSlitGap = 0.005;  // of the slit, x = 0 to kSlitGap
+constexpr double kEnd = -0.03;      // of its closed end, z
+constexpr double kMouth = 0.0;      // z
+const Vec3 kSlitStart(0.0022, 0.003, -0.01);
 
 // Two blocks, and one that closes the slit between them at the bottom; turned by the seed.
 class NarrowSlit : public ::testing::TestWithParam<unsigned> {
  protected:
   NarrowSlit() : random_(GetParam()) {
     TriangleMesh mesh =
-        joined(made::box({-0.03, -0.05, -0.05}, {0.0, 0.05, kMouth}), made::box({kGap, -0.05, -0.05}, {0.03, 0.05, kMouth}));
+        joined(made::box({-0.03, -0.05, -0.05}, {0.0, 0.05, kMouth}), made::box({kSlitGap, -0.05, -0.05}, {0.03, 0.05, kMouth}));
     mesh = joined(mesh, made::box({-0.03, -0.05, kEnd - 0.01}, {0.03, 0.05, kEnd}));
     turn_ = Eigen::Quaterniond(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().toRotationMatrix();
     for (Vec3& vertex : mesh.vertices) vertex = turn_ * vertex;
@@ -62,8 +62,8 @@ class NarrowSlit : public ::testing::TestWithParam<unsigned> {
 };
 
 TEST_P(NarrowSlit, TheSphereFollowsAlongItAndLeavesAtTheMouth) {
-  reset(kStart);
-  Vec3 device = kStart;
+  reset(kSlitStart);
+  Vec3 device = kSlitStart;
   for (int i = 1; i <= 200; ++i) {
     const Vec3 towards(0.01 * std::sin(0.1 * i), 0.003 + 0.0001 * i, -0.01 + 0.00003 * i);  // the walls hold it in x
     device = towards;
@@ -71,7 +71,7 @@ TEST_P(NarrowSlit, TheSphereFollowsAlongItAndLeavesAtTheMouth) {
     ASSERT_NEAR(probe.y(), device.y(), 1e-9) << i;
     ASSERT_NEAR(probe.z(), device.z(), 1e-9) << i;
     ASSERT_GT(probe.x(), 0.0) << i;
-    ASSERT_LT(probe.x(), kGap) << i;
+    ASSERT_LT(probe.x(), kSlitGap) << i;
   }
   for (int i = 1; i <= 100; ++i) (void)step(device + Vec3(0.0, 0.0, 0.0003 * i));
   EXPECT_FALSE(output_.contact) << "it has left";
@@ -80,20 +80,20 @@ TEST_P(NarrowSlit, TheSphereFollowsAlongItAndLeavesAtTheMouth) {
 }
 
 TEST_P(NarrowSlit, TheSphereStopsAtTheClosedEnd) {
-  reset(kStart);
-  Vec3 probe = kStart;
-  for (int i = 1; i <= 100; ++i) probe = step({kStart.x(), kStart.y(), kStart.z() - 0.0005 * i});
-  EXPECT_NEAR(probe.z(), kEnd + kStart.x(), 1e-9) << "its radius is the distance to the wall at the start";
+  reset(kSlitStart);
+  Vec3 probe = kSlitStart;
+  for (int i = 1; i <= 100; ++i) probe = step({kSlitStart.x(), kSlitStart.y(), kSlitStart.z() - 0.0005 * i});
+  EXPECT_NEAR(probe.z(), kEnd + kSlitStart.x(), 1e-9) << "its radius is the distance to the wall at the start";
   EXPECT_TRUE(output_.contact);
 }
 
 // The sphere crosses no wall, and moves no farther than the device, so that the force does not jump.
 TEST_P(NarrowSlit, TheSphereComesNoNearerToTheWallsAndTheForceHasNoJump) {
   constexpr double kRounding = 1e-10;
-  reset(kStart);
-  const double start_distance = distance_by_brute_force(kStart);
-  Vec3 device = kStart;
-  Vec3 last_probe = kStart;
+  reset(kSlitStart);
+  const double start_distance = distance_by_brute_force(kSlitStart);
+  Vec3 device = kSlitStart;
+  Vec3 last_probe = kSlitStart;
   int contact_steps = 0;
   for (int i = 0; i < 1500; ++i) {
     const Vec3 to(uniform(-0.02, 0.02), uniform(-0.03, 0.03), uniform(-0.04, -0.005));

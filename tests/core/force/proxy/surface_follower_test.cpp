@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-using Outcome = SurfaceFollower::Outcome;
+using SurfaceOutcome = SurfaceFollower::Outcome;
 
 // A mesh in its local frame, and a follower on it.
 struct FollowerStage {
@@ -48,7 +48,7 @@ TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
   FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.03, 0.02, 0.6), stage.local(0.03, 0.02, 0.4)));
   double time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.31, -0.27, 0.4), time), Outcome::settled);
+  EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.31, -0.27, 0.4), time), SurfaceOutcome::settled);
   EXPECT_EQ(time, 1.0);
   expect_at(stage.follower.point(), stage.local(0.31, -0.27, 0.5));
 }
@@ -58,10 +58,10 @@ TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
   FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.02, 0.6), stage.local(0.3, 0.02, 0.4)));
   double time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), Outcome::settled);
+  EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing has pulled it over the edge yet
   time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(0.45, 0.02, 0.2), stage.local(0.55, 0.02, 0.2), time), Outcome::released);
+  EXPECT_EQ(stage.follower.follow(stage.local(0.45, 0.02, 0.2), stage.local(0.55, 0.02, 0.2), time), SurfaceOutcome::released);
   EXPECT_NEAR(time, 0.5, 1e-11);
   expect_at(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
 }
@@ -72,13 +72,13 @@ TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
   FollowerStage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
   const Vec3 left = stage.local(-0.1, -0.45, 0.03);
-  ASSERT_EQ(stage.follower.descend(left), Outcome::settled);
+  ASSERT_EQ(stage.follower.descend(left), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(-0.16, -0.33, 0.03));
   double time = 0.0;
-  ASSERT_EQ(stage.follower.follow(left, stage.local(0.05, -0.45, 0.03), time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(left, stage.local(0.05, -0.45, 0.03), time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(-0.04, -0.27, 0.03));
   time = 0.0;
-  ASSERT_EQ(stage.follower.follow(stage.local(0.05, -0.45, 0.03), stage.local(0.15, -0.45, 0.03), time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(stage.local(0.05, -0.45, 0.03), stage.local(0.15, -0.45, 0.03), time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(0.2, -0.35, 0.03));
 }
 
@@ -86,9 +86,9 @@ TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
   FollowerStage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.03, 0.02, 0.6), stage.local(0.03, 0.02, 0.4)));
   double time = 0.0;
-  ASSERT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.03, 0.02, 0.4), time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.5), stage.local(0.03, 0.02, 0.4), time), SurfaceOutcome::settled);
   time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.4), stage.local(0.13, 0.02, 0.8), time), Outcome::released);
+  EXPECT_EQ(stage.follower.follow(stage.local(0.03, 0.02, 0.4), stage.local(0.13, 0.02, 0.8), time), SurfaceOutcome::released);
   EXPECT_NEAR(time, 0.25, 1e-12);
   expect_at(stage.follower.point(), stage.local(0.055, 0.02, 0.5));
 }
@@ -100,7 +100,7 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   ASSERT_TRUE(stage.land(stage.local(0.1, 0.45, 0.03), stage.local(0.1, 0.25, 0.03)));
   double time = 0.0;
   const Vec3 below = stage.local(0.0, 0.1, 0.03);
-  ASSERT_EQ(stage.follower.follow(stage.local(0.1, 0.3, 0.03), below, time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(stage.local(0.1, 0.3, 0.03), below, time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(0.0, 0.2, 0.03));
   std::array<SurfacePoint::Contact, 3> contacts;
   ASSERT_EQ(stage.follower.at().find_contacts(below, contacts), 2);
@@ -110,7 +110,7 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   // The device moves to the left: at x = -0.1, 45 degrees from straight below, the multiplier of the right face is zero.
   time = 0.0;
   const Vec3 aside = stage.local(-0.2, 0.1, 0.03);
-  ASSERT_EQ(stage.follower.follow(below, aside, time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(below, aside, time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(-0.05, 0.25, 0.03));
   ASSERT_EQ(stage.follower.at().find_contacts(aside, contacts), 1);
 }
@@ -182,8 +182,8 @@ TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
   ASSERT_TRUE(stage.land(stage.local(0.05, 0.02, 0.45), stage.local(0.05, 0.02, -0.2)));
   double time = 0.0;
   const Vec3 below = stage.local(0.01, 0.02, -0.2);
-  ASSERT_EQ(stage.follower.descend(stage.local(0.05, 0.02, -0.2)), Outcome::settled);
-  ASSERT_EQ(stage.follower.follow(stage.local(0.05, 0.02, -0.2), below, time), Outcome::settled);
+  ASSERT_EQ(stage.follower.descend(stage.local(0.05, 0.02, -0.2)), SurfaceOutcome::settled);
+  ASSERT_EQ(stage.follower.follow(stage.local(0.05, 0.02, -0.2), below, time), SurfaceOutcome::settled);
   expect_at(stage.follower.point(), stage.local(0.0, 0.0, 0.0));
   std::array<SurfacePoint::Contact, 3> contacts;
   const int count = stage.follower.at().find_contacts(below, contacts);
@@ -191,7 +191,7 @@ TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
   for (int i = 0; i < count; ++i) sum += contacts[i].multiplier * contacts[i].normal;
   expect_at(sum, stage.follower.point() - below);
   time = 0.0;
-  ASSERT_EQ(stage.follower.follow(below, stage.local(0.4, 0.02, -0.1), time), Outcome::settled);
+  ASSERT_EQ(stage.follower.follow(below, stage.local(0.4, 0.02, -0.1), time), SurfaceOutcome::settled);
   EXPECT_GT(stage.follower.point().x(), stage.local(0.02, 0.0, 0.0).x());
 }
 
@@ -199,7 +199,7 @@ TEST(SurfaceFollower, OverABoundaryEdgeItIsFree) {
   FollowerStage stage(make_plane_grid(1.0, 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.03, 0.1), stage.local(0.3, 0.03, -0.1)));
   double time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.03, 0.0), stage.local(0.7, 0.03, -0.2), time), Outcome::airborne);
+  EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.03, 0.0), stage.local(0.7, 0.03, -0.2), time), SurfaceOutcome::airborne);
   EXPECT_NEAR(time, 0.5, 1e-12);
   expect_at(stage.follower.point(), stage.local(0.5, 0.03, 0.0));
 }
@@ -244,7 +244,7 @@ TEST(SurfaceFollower, ItStopsBeforeATriangleThatIsNotWalkable) {
   FollowerStage stage(sheet);
   ASSERT_TRUE(stage.land(stage.local(-0.3, 0.1, 0.1), stage.local(-0.3, 0.1, -0.1)));
   double time = 0.0;
-  EXPECT_EQ(stage.follower.follow(stage.local(-0.3, 0.1, 0.0), stage.local(0.4, 0.1, -0.1), time), Outcome::unwalkable);
+  EXPECT_EQ(stage.follower.follow(stage.local(-0.3, 0.1, 0.0), stage.local(0.4, 0.1, -0.1), time), SurfaceOutcome::unwalkable);
   EXPECT_LT(time, 0.8);
   const SurfacePoint::Facet& face = stage.follower.at().a();
   EXPECT_TRUE(stage.geometry.is_walkable(face.id));
@@ -255,8 +255,8 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
   FollowerStage stage(make_gutter(1.0, 0.3, 0.2, 4));
   ASSERT_TRUE(stage.land(stage.local(0.01, 0.45, 0.03), stage.local(0.01, 0.1, 0.03)));
   double time = 0.0;
-  ASSERT_EQ(stage.follower.descend(stage.local(0.01, 0.1, 0.03)), Outcome::settled);
-  ASSERT_EQ(stage.follower.follow(stage.local(0.01, 0.1, 0.03), stage.local(0.0, 0.05, 0.03), time), Outcome::settled);
+  ASSERT_EQ(stage.follower.descend(stage.local(0.01, 0.1, 0.03)), SurfaceOutcome::settled);
+  ASSERT_EQ(stage.follower.follow(stage.local(0.01, 0.1, 0.03), stage.local(0.0, 0.05, 0.03), time), SurfaceOutcome::settled);
   std::array<SurfacePoint::Contact, 3> contacts;
   const Vec3 lift = stage.follower.at().lifted(1e-6) - stage.follower.point();
   ASSERT_EQ(stage.follower.at().find_contacts(stage.local(0.0, 0.05, 0.03), contacts), 2);
@@ -278,7 +278,7 @@ TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
       Vec3 beyond = from;
       beyond[walls % 3] = 0.6 * sign[walls % 3];
       ASSERT_TRUE(stage.land(from, beyond));
-      ASSERT_EQ(stage.follower.descend(device), Outcome::settled);
+      ASSERT_EQ(stage.follower.descend(device), SurfaceOutcome::settled);
       const Vec3 lifted = sign.cwiseProduct(stage.follower.at().lifted(1e-6));
       EXPECT_LT(lifted.maxCoeff(), 0.5 - 1e-6 + 1e-12) << "corner " << corner << " walls " << walls;
       EXPECT_GT(lifted.minCoeff(), 0.5 - 2e-6) << "corner " << corner << " walls " << walls;
@@ -291,12 +291,12 @@ TEST(SurfaceFollower, NeverAllocates) {
   ASSERT_TRUE(stage.land(stage.local(0.9, 0.0, 0.0), stage.local(0.4, 0.0, 0.0)));
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "no heap guard in this build";
   const AllocationGuard guard;
-  ASSERT_EQ(stage.follower.descend(stage.local(0.4, 0.0, 0.0)), Outcome::settled);
+  ASSERT_EQ(stage.follower.descend(stage.local(0.4, 0.0, 0.0)), SurfaceOutcome::settled);
   Vec3 from = stage.local(0.4, 0.0, 0.0);
   for (int i = 1; i < 200; ++i) {
     const Vec3 to = stage.local(0.4 * std::cos(0.02 * i), 0.4 * std::sin(0.02 * i), 0.1 * std::sin(0.1 * i));
     double time = 0.0;
-    ASSERT_EQ(stage.follower.follow(from, to, time), Outcome::settled);
+    ASSERT_EQ(stage.follower.follow(from, to, time), SurfaceOutcome::settled);
     from = to;
   }
   EXPECT_EQ(guard.count(), 0U);

@@ -12,10 +12,10 @@ namespace hapton {
 namespace {
 
 constexpr double kSweptOffset = 0x1p-30;
-constexpr Clearance kClearance{.offset = kSweptOffset, .slop = 0.5 * kSweptOffset, .tolerance = 0x1p-10 * kSweptOffset};
+constexpr Clearance kSweptClearance{.offset = kSweptOffset, .slop = 0.5 * kSweptOffset, .tolerance = 0x1p-10 * kSweptOffset};
 
 struct SweptStage {
-  explicit SweptStage(const TriangleMesh& mesh, const Clearance& keep = kClearance, const Material& material = {})
+  explicit SweptStage(const TriangleMesh& mesh, const Clearance& keep = kSweptClearance, const Material& material = {})
       : geometry({&mesh}),
         materials{material},
         surfaces(geometry, materials),
@@ -80,7 +80,7 @@ TEST(SweptMotion, ThreeFacesHoldItInTheCornerOfARoom) {
 
 TEST(SweptMotion, FrictionHoldsItUpToTheConesEdge) {
   for (const double friction : {0.3, 0.6}) {
-    SweptStage stage(make_box(Vec3::Constant(0.1), 3), kClearance, {.friction_static = friction, .friction_dynamic = friction});
+    SweptStage stage(make_box(Vec3::Constant(0.1), 3), kSweptClearance, {.friction_static = friction, .friction_dynamic = friction});
     stage.put(Vec3(0.07, 0.0, 0.0));
     stage.move(Vec3(0.04, 0.0, 0.0));
     stage.move(Vec3(0.04, 0.99 * friction * 0.01, 0.0));
@@ -92,7 +92,7 @@ TEST(SweptMotion, FrictionHoldsItUpToTheConesEdge) {
 }
 
 TEST(SweptMotion, BreaksAwayAtTheStaticConeAndSticksAgainWhereThePullHasFallen) {
-  SweptStage stage(make_box(Vec3::Constant(0.1), 3), kClearance, {.friction_static = 0.6, .friction_dynamic = 0.3});
+  SweptStage stage(make_box(Vec3::Constant(0.1), 3), kSweptClearance, {.friction_static = 0.6, .friction_dynamic = 0.3});
   stage.put(Vec3(0.07, 0.0, 0.0));
   stage.move(Vec3(0.04, 0.0, 0.0));
   stage.move(Vec3(0.04, 0.0059, 0.0));
@@ -221,7 +221,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
     soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
   for (const double radius : {0.0, 0.01}) {
-    Clearance keep = kClearance;
+    Clearance keep = kSweptClearance;
     keep.offset += radius;
     SweptStage stage(soup, keep);
     stage.put(Vec3(0.3, 0.0, 0.0));

@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kHeldRadius = 1.0;
 constexpr double kPullLength = 3.0;
-constexpr double kAngle = std::numbers::pi / 6.0;  // angle below the sphere's middle at which it leans on the edge
+constexpr double kHeldAngle = std::numbers::pi / 6.0;  // angle below the sphere's middle at which it leans on the edge
 
 // A floor with a step half a radius high: a sphere on the floor leans on the step's edge.
 TouchScene floor_with_step() {
   TriangleMesh mesh;
-  const double x = kHeldRadius * std::cos(kAngle);
-  const double high = kHeldRadius * (1.0 - std::sin(kAngle));
+  const double x = kHeldRadius * std::cos(kHeldAngle);
+  const double high = kHeldRadius * (1.0 - std::sin(kHeldAngle));
   for (const double y : {-20.0, 20.0}) {
     mesh.vertices.insert(mesh.vertices.end(), {{-20.0, y, 0.0}, {x, y, 0.0}, {x, y, high}, {20.0, y, high}});
   }
@@ -33,7 +33,7 @@ TouchScene floor_with_step() {
 
 // The device whose pull would just lift the sphere over the step, but with the sideways part of the pull reduced by this share.
 Vec3 device_short_of_lifting(double share) {
-  const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
+  const double sideways = std::cos(kHeldAngle) / std::sin(kHeldAngle) * (1.0 - share);
   return Vec3(0.0, 0.0, kHeldRadius) + kPullLength * Vec3(sideways, 0.0, -1.0).normalized();
 }
 
