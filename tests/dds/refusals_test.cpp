@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -69,7 +70,9 @@ TEST(DdsRefusals, NoHub) { expect_refusal({"--hub", "127.0.0.1:" + find_free_por
 
 TEST(DdsRefusals, AnInvalidKeyFile) {
   const ScratchFolder scratch;
-  expect_refusal({"--key", scratch.write("key", "short").string()}, "key");
+  const std::filesystem::path file = scratch.write("key", "short");
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  expect_refusal({"--key", file.string()}, file.string() + ": has 5 bytes, but a key file has 48");
 }
 
 TEST(DdsRefusals, AnotherKeyThanTheHubs) {
