@@ -54,9 +54,13 @@ TEST_P(AgreementWorkers, TakeNoMoreThanTheyHaveRoomFor) {
   }
 }
 
+// The destructor neither waits for ever nor leaves a thread that is still joinable, which would end the program.
 TEST_P(AgreementWorkers, EndWithWorkLeft) {
   AgreementWorker worker(GetParam());
-  for (int n = 0; n < 10; ++n) worker.submit(request_task(0));
+  for (int n = 0; n < 10; ++n) EXPECT_TRUE(worker.submit(request_task(0)));
+  std::vector<AgreementTask> tasks;
+  take_all(worker, tasks, 1);
+  EXPECT_EQ(worker.pending_count(), 9U) << "work is left, and the thread has begun";
 }
 
 TEST_P(AgreementWorkers, AgreeOnOneSession) {

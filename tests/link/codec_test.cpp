@@ -469,13 +469,6 @@ TEST_F(CodecTest, RejectsMoreThanADatagramHolds) {
   }
 }
 
-TEST_F(CodecTest, WritesNothingWhereThereIsNoRoom) {
-  const Datagram hello{{1, 2, 3, 4}, Hello{NodeRole::haptics}};
-  Bytes room(encode(hello).size());
-  EXPECT_EQ(codec_.encode(hello, room), room.size());
-  EXPECT_EQ(codec_.encode(hello, std::span(room).first(room.size() - 1)), 0U);
-}
-
 // The compiler may drop a new-expression that has no effect, but not this call.
 TEST(AllocationGuardTest, SeesAnAllocation) {
   if (!AllocationGuard::is_available()) {

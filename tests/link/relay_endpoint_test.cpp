@@ -149,6 +149,17 @@ TEST_F(Relays, KeepTheTwoWaysApart) {
   }));
   EXPECT_EQ(receive(*hub, 50 * kMs), "");
   EXPECT_EQ(relay->to_hub().partitioned, 1U);
+
+  open({}, {.partition = true});
+  ASSERT_TRUE(node->send(relay->local_address(), bytes_of("to hub")));
+  ASSERT_EQ(receive(*hub), "to hub");
+  ASSERT_TRUE(hub->send(last.from, bytes_of("to node")));
+  EXPECT_TRUE(wait_until([&] {
+    EXPECT_EQ(receive(*node, kMs), "");
+    return relay->to_nodes().partitioned == 1U;
+  }));
+  EXPECT_EQ(receive(*node, 50 * kMs), "");
+  EXPECT_EQ(relay->to_hub().partitioned, 0U);
 }
 
 TEST_F(Relays, GoOnWhileTheHubIsAway) {

@@ -53,7 +53,6 @@ class SealedHubTest : public testing::Test {
   SealedHubTest() : hub_endpoint_(*network_.open(memory_address(1, 4950))) { start_hub(); }
 
   void start_hub(const LinkKey& key = key_of(1)) { hub_.emplace(hub_endpoint_, clock_, key); }
-  const Address& at() { return hub_address_; }
 
   std::unique_ptr<Node> make_node(std::uint8_t host, const LinkKey& key = key_of(1), KeyRole role = KeyRole::vision) {
     return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_address_, RoleKey(key, role));
