@@ -5,7 +5,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <random>
 #include <thread>
 #include <utility>
@@ -340,14 +339,15 @@ TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
   ASSERT_TRUE(setup.receive_until([&] { return setup.store.has_bodies() && std::isinf(setup.store.known_radius(Vec3::Zero(), 1)); }));
   EXPECT_TRUE(setup.store.make_bodies(0)->bodies[1].deforms);
   EXPECT_EQ(setup.store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.objects.front().deformation->keys().size(), 100U);
-  // Three triangles at an edge: not walkable.
-  TriangleMesh mesh = made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02));
+  TriangleMesh mesh = made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02));  // gets three triangles at an edge: not walkable
   mesh.vertices.emplace_back(0.03, 0.03, 0.03);
   mesh.triangles.push_back({mesh.triangles[0][0], mesh.triangles[0][1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
   scene.objects[1].mesh = made::shared(std::move(mesh));
   SenderWithHub other(true, scene);
   ASSERT_TRUE(other.receive_until([&] { return other.store.has_begun(); }));
   EXPECT_EQ(other.sender.obstacle(), "an object that deforms cannot be felt from parts of the scene");
+  other.receive_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(other.triangles(), 0U);
 }
 
 // A deformed object is sent with its newest announced shape, whether that was announced before or after the parts were made.

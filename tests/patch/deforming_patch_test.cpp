@@ -230,10 +230,19 @@ TEST(DeformingPatch, HasTheShapesOfTheScene) {
   }
 }
 
-TEST(DeformingPatch, ABallCannotFeelItAndVerticesThatPartAreNoticed) {
+TEST(DeformingPatch, WhatCannotBeFeltOrComesApartIsNoticed) {
   EXPECT_TRUE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.0));
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
   EXPECT_FALSE(make_tiles(cushion_on_floor()).comes_apart);
+
+  // An inner edge of the sheet gets a third triangle.
+  TouchScene unwalkable_scene = cushion_on_floor();
+  TriangleMesh finned_sheet = *unwalkable_scene.objects[1].mesh;
+  const Triangle inner = finned_sheet.triangles[24 * 24 + 24];
+  finned_sheet.vertices.emplace_back(0.0, 0.0, 0.03);
+  finned_sheet.triangles.push_back({inner[0], inner[1], static_cast<std::uint32_t>(finned_sheet.vertices.size() - 1)});
+  unwalkable_scene.objects[1].mesh = made::shared(std::move(finned_sheet));
+  EXPECT_FALSE(can_feel_what_deforms(make_tiles(unwalkable_scene), 0.0)) << "an edge of three triangles is not walkable";
 
   // Vertices at the same position that move alike count as one.
   TouchScene doubled_scene = cushion_on_floor();

@@ -146,13 +146,25 @@ TEST(EffectPatches, ActsWhileAButtonIsDown) {
   ChainStage stage(scene);
   const Vec3 p_WD(0, 0, 0.01);
   for (int n = 0; n < 100; ++n) (void)stage.step(p_WD);
-  const TouchInput pressed{.p_WD = p_WD, .dt_s = 1e-3, .buttons = 1, .time_s = 0.1};
-  for (int n = 0; n < 30; ++n) (void)stage.chain().step(pressed);
-  const auto felt = stage.chain().step(pressed);
+  // Longer than the ramp of an effect that is switched.
+  const auto hold = [&](std::uint32_t buttons) {
+    const TouchInput held{.p_WD = p_WD, .dt_s = 1e-3, .buttons = buttons, .time_s = 0.1};
+    for (int n = 0; n < 30; ++n) (void)stage.chain().step(held);
+    return stage.chain().step(held);
+  };
+  const auto expect_nothing_felt = [&](std::uint32_t buttons) {
+    const auto output = hold(buttons);
+    ASSERT_TRUE(output.has_value());
+    EXPECT_EQ(output->force_n, Vec3::Zero());
+    EXPECT_FALSE(output->contact);
+  };
+  for (const std::uint32_t other : {0U, 2U}) expect_nothing_felt(other);
+  const auto felt = hold(1);
   ASSERT_TRUE(felt.has_value());
   EXPECT_NEAR(felt->force_n.z(), 0.5, 1e-12);
   EXPECT_TRUE(felt->contact);
   EXPECT_EQ(felt->visual_offset_m, Vec3::Zero());
+  expect_nothing_felt(0);
 }
 
 class OneBody final : public BodyPlaces {

@@ -200,6 +200,8 @@ TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
   ChainStage stage(machine());
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1e6, 1e6);
+  int steps_with_patch = 0;
+  int contact_steps = 0;
   for (std::uint32_t n = 1; n < 3000; ++n) {
     if (n % 10 == 0) {
       ObjectMove move{.source = 9, .serial = n, .object = n % 50 == 0 ? 7 : kPlatform};
@@ -215,8 +217,13 @@ TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
     if (felt.patch) {
       ASSERT_TRUE(felt.patch->force_n.allFinite()) << n;
       ASSERT_TRUE(felt.patch->visual_offset_m.allFinite()) << n;
+      ++steps_with_patch;
+      contact_steps += felt.patch->contact ? 1 : 0;
     }
   }
+  EXPECT_GT(steps_with_patch, 2000);
+  EXPECT_GT(contact_steps, 1000);
+  EXPECT_GT(stage.chain().late_moves(), 100U) << "the moves of the platform take effect";
 }
 
 // A move that was decided before the patches began has to be known before anything is felt.
