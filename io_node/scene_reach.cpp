@@ -3,8 +3,6 @@
 namespace hapton {
 namespace {
 
-constexpr double kSpeck = 0.02;  // share of the workspace's longest side; 5 mm for a PHANToM. The hand cannot find a smaller scene
-
 Vec3 to_vec(const SceneFacts::Point& p) noexcept { return Eigen::Map<const Eigen::Vector3f>(p.data()).cast<double>(); }
 
 }  // namespace
@@ -24,7 +22,7 @@ SceneReach find_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLim
   const Vec3& low = limits.workspace_min_m;
   const Vec3& high = limits.workspace_max_m;
   if (!((high - low).minCoeff() > 0.0) || scene.point_count == 0) return SceneReach::unknown;
-  if (2.0 * half_S.maxCoeff() < kSpeck * (high - low).maxCoeff()) return SceneReach::too_small;
+  if (2.0 * half_S.maxCoeff() < SceneFacts::kSpeckShare * (high - low).maxCoeff()) return SceneReach::too_small;
   const bool is_apart = ((middle_W + half_W) - low).minCoeff() < 0.0 || (high - (middle_W - half_W)).minCoeff() < 0.0;
   if (is_apart) return SceneReach::out_of_reach;
   for (std::size_t i = 0; i < scene.point_count; ++i) {

@@ -230,7 +230,9 @@ struct MaterialState {
 struct SceneFacts {
   static constexpr std::size_t kMaxPoints = 16;  // a choice: a hand finds a scene by a few of them
   static constexpr std::uint64_t kNoTool = 1;    // for tool_hash
-  using Point = std::array<float, 3>;            // frame S, m
+  // Share of the workspace's longest side, 5 mm for a PHANToM. A smaller scene is a speck in the workspace: the hand cannot find it.
+  static constexpr double kSpeckShare = 0.02;
+  using Point = std::array<float, 3>;  // frame S, m
 
   std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
   Point lowest_m = {};           // corners of its box

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/mesh_measures.h"
+#include "link/messages.h"
 #include "vision_node/camera_view.h"
 #include "vision_node/depth_cues.h"
 #include "vision_node/knob_box.h"
@@ -18,8 +19,6 @@ namespace {
 
 // Smallest framed radius, so that even a scene of one point gives a picture.
 constexpr double kMinRadius = 1e-6;
-// Share of the workspace's longest side: a smaller scene is a speck in it (io_node/scene_reach.cpp).
-constexpr double kSpeck = 0.02;
 // A scene lies apart if its middle is farther from the workspace's centre than the workspace's radius and kApartRadii of its own radii: a
 // sphere round that centre would be mostly empty. Beyond kFarApart times the sum of both radii, a picture of both would show neither.
 constexpr double kApartRadii = 2.0;
@@ -171,7 +170,7 @@ Framing frame_scene(const Scene& scene, const VisionOptions& options) {
   const double radius_m = std::max(kMinRadius, sphere.radius_m);
   const Vec3 p_WO = start_pose(options) * sphere.p_SO;
   const double distance_m = p_WO.norm();
-  const bool is_speck = 2.0 * radius_m < kSpeck * workspace_size_m().maxCoeff();
+  const bool is_speck = 2.0 * radius_m < SceneFacts::kSpeckShare * workspace_size_m().maxCoeff();
   const bool is_apart = distance_m > std::max(workspace_radius_m(), kApartRadii * radius_m);
   const bool is_far = distance_m > kFarApart * (radius_m + workspace_radius_m());
   Framing framing = is_speck || is_far ? frame_sphere(p_WO, radius_m, ipd_m)

@@ -31,7 +31,11 @@ TEST(SceneReach, IsJudgedByTheSurface) {
   EXPECT_EQ(reach_of(box_at(0.3F, 0.05F), Pose(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))), SceneReach::out_of_reach);
 }
 
-TEST(SceneReach, ASpeckIsTooSmall) { EXPECT_EQ(reach_of(box_at(0, 1e-4F)), SceneReach::too_small); }
+TEST(SceneReach, ASpeckIsTooSmall) {
+  EXPECT_EQ(reach_of(box_at(0, 1e-4F)), SceneReach::too_small);
+  EXPECT_EQ(reach_of(box_at(0, 0.00199F)), SceneReach::too_small);
+  EXPECT_EQ(reach_of(box_at(0, 0.00201F)), SceneReach::in_reach);
+}
 
 TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
   // The workspace is a small part in the middle of this box: the few points of a scene (16 at most) tell little of the surface in it.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <variant>
 
+#include "link/messages.h"
+
 namespace hapton {
 namespace {
 
@@ -14,8 +16,6 @@ namespace {
 constexpr double kRounding = 1e-9;  // share of the workspace's longest side
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
 constexpr double kMinShare = 1e-3;
-// The limit of io_node (SceneReach): a hand does not find a smaller scene.
-constexpr double kMinSizeShare = 0.02;  // share of the workspace's longest side
 
 // A triangle cut by six planes: a convex polygon with nine corners at most.
 struct Polygon {
@@ -258,7 +258,7 @@ CheckFindings check_size(const Scene& scene, const DevicePreset& device) {
   }
   const double longest = box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
   const double workspace = workspace_of(device).longest_m();
-  if (longest >= kMinSizeShare * workspace) return {};
+  if (longest >= SceneFacts::kSpeckShare * workspace) return {};
   return {{SceneFault::too_small, "", Vec3(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center())),
            fmt::format("the scene is {:.3g} mm long, far too small for a workspace of {:.3g} mm", 1e3 * longest, 1e3 * workspace),
            "check its unit, or let fit_m fit the scene to the workspace"}};
