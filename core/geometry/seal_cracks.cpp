@@ -85,11 +85,11 @@ void join(const TriangleMesh& mesh, const Method& method, SeamParts& excluded, W
   }
 }
 
-// A mesh that was joined once or more, compared with the given one. Mesh and sources are empty if nothing was joined.
+// A mesh that was joined once or more, compared with the given one; mesh and mapping are empty if nothing was joined.
 struct Sealing {
   TriangleMesh mesh;
   SealReport report;
-  SeamMesh::Sources sources;
+  SeamMesh::Mapping mapping;
   bool is_settled = false;  // there is nothing left to join
 };
 
@@ -119,15 +119,15 @@ void add(Sealing next, Sealing& sealing) {
   }
   add(next.report, sealing.report);
   sealing.mesh = std::move(next.mesh);
-  for (std::uint32_t& vertex : sealing.sources.vertices) vertex = next.sources.vertices[vertex];
-  for (std::uint32_t& triangle : next.sources.triangles) triangle = sealing.sources.triangles[triangle];
-  sealing.sources.triangles = std::move(next.sources.triangles);
+  for (std::uint32_t& vertex : sealing.mapping.resulting_vertices) vertex = next.mapping.resulting_vertices[vertex];
+  for (std::uint32_t& triangle : next.mapping.source_triangles) triangle = sealing.mapping.source_triangles[triangle];
+  sealing.mapping.source_triangles = std::move(next.mapping.source_triangles);
 }
 
 // Returns the excluded parts of the given mesh as parts of the mesh in `sealing`.
 SeamParts to_sealed_parts(const SeamParts& parts, const TriangleMesh& mesh, const Sealing& sealing) {
   SeamParts sealed_parts;
-  const std::vector<std::uint32_t>& sealed_vertex = sealing.sources.vertices;
+  const std::vector<std::uint32_t>& sealed_vertex = sealing.mapping.resulting_vertices;
   for (const std::uint32_t v : parts.vertices) sealed_parts.vertices.insert(sealed_vertex[v]);
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const std::uint32_t chord : parts.chords) {
@@ -150,11 +150,11 @@ Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, SeamParts
   for (int pass = 0; pass <= kMaxPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
     SeamParts followed;
     if (pass > 0) followed = to_sealed_parts(excluded, mesh, sealing);
-    Sealing next{.mesh = {}, .report = {}, .sources = {}, .is_settled = true};
+    Sealing next{.mesh = {}, .report = {}, .mapping = {}, .is_settled = true};
     join(pass == 0 ? mesh : sealing.mesh, method, pass == 0 ? excluded : followed, budget, [&](SeamJoiner& joiner, TriangleMesh& joined) {
       next.report = make_report(joiner);
       if (!next.report.has_sealed()) return;
-      next.sources = joiner.seam().finish();
+      next.mapping = joiner.seam().finish();
       next.mesh = std::move(joined);
       next.is_settled = false;
     });
@@ -183,14 +183,14 @@ bool is_in_bounds(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& 
 SeamParts find_excessive_changes(const TriangleMesh& mesh, const Sealing& sealing) {
   SeamParts found;
   const double tolerance = sealing.report.tolerance;
-  const SeamMesh::Sources& sources = sealing.sources;
+  const SeamMesh::Mapping& mapping = sealing.mapping;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-    if (!((sealing.mesh.vertices[sources.vertices[v]] - mesh.vertices[v]).norm() <= tolerance)) found.vertices.insert(v);
+    if (!((sealing.mesh.vertices[mapping.resulting_vertices[v]] - mesh.vertices[v]).norm() <= tolerance)) found.vertices.insert(v);
   }
   std::vector<std::uint32_t> parts(mesh.triangles.size(), 0);
-  for (const std::uint32_t t : sources.triangles) ++parts[t];
+  for (const std::uint32_t t : mapping.source_triangles) ++parts[t];
   for (std::uint32_t t = 0; t < sealing.mesh.triangles.size(); ++t) {
-    const std::uint32_t source = sources.triangles[t];
+    const std::uint32_t source = mapping.source_triangles[t];
     const std::array<Vec3, 3> before = corners_of(mesh, source);
     const std::array<Vec3, 3> after = corners_of(sealing.mesh, t);
     const bool is_part = parts[source] > 1;
@@ -350,7 +350,7 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
   if (report.has_sealed()) {
     mesh = std::move(sealing->mesh);
     at_boundary = find_boundary_vertices(mesh);
-    if (source != nullptr) *source = std::move(sealing->sources.triangles);
+    if (source != nullptr) *source = std::move(sealing->mapping.source_triangles);
   }
   count_unsealed(mesh, at_boundary, report);
   return mesh;

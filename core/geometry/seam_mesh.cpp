@@ -429,25 +429,26 @@ void SeamMesh::unsplit(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
   }
 }
 
-SeamMesh::Sources SeamMesh::finish() {
-  Sources sources;
-  sources.triangles.resize(mesh_.triangles.size());
-  std::iota(sources.triangles.begin(), sources.triangles.end(), 0U);
-  if (!sources_.empty()) sources.triangles = put_parts_in_place();
-  sources.vertices.resize(mesh_.vertices.size());
+SeamMesh::Mapping SeamMesh::finish() {
+  Mapping mapping;
+  mapping.source_triangles.resize(mesh_.triangles.size());
+  std::iota(mapping.source_triangles.begin(), mapping.source_triangles.end(), 0U);
+  if (!sources_.empty()) mapping.source_triangles = put_parts_in_place();
+  mapping.resulting_vertices.resize(mesh_.vertices.size());
   std::uint32_t kept_count = 0;
-  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) {
+  for (std::uint32_t v = 0; v < mapping.resulting_vertices.size(); ++v) {
     if (welded_to_[v] != kNone) continue;
     mesh_.vertices[kept_count] = mesh_.vertices[v];
-    sources.vertices[v] = kept_count++;
+    mapping.resulting_vertices[v] = kept_count++;
   }
   mesh_.vertices.resize(kept_count);
-  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) sources.vertices[v] = sources.vertices[representative_of(v)];
-  if (welded_ == 0) return sources;
+  for (std::uint32_t v = 0; v < mapping.resulting_vertices.size(); ++v)
+    mapping.resulting_vertices[v] = mapping.resulting_vertices[representative_of(v)];
+  if (welded_ == 0) return mapping;
   for (Triangle& t : mesh_.triangles) {
-    for (std::uint32_t& v : t) v = sources.vertices[v];
+    for (std::uint32_t& v : t) v = mapping.resulting_vertices[v];
   }
-  return sources;
+  return mapping;
 }
 
 std::vector<std::uint32_t> SeamMesh::put_parts_in_place() {

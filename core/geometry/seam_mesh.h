@@ -104,13 +104,16 @@ class SeamMesh {
   std::size_t zipped() const { return zipped_; }  // edges that got their second triangle
   std::size_t work() const { return work_; }      // number of triangles examined at vertices; proportional to the time
 
-  struct Sources {
-    std::vector<std::uint32_t> triangles;  // for each triangle of the resulting mesh, in order: the original one that it is (a part of)
-    std::vector<std::uint32_t> vertices;   // for each original vertex: the vertex of the resulting mesh that it became
+  // Between the original mesh and the resulting one.
+  struct Mapping {
+    // For each triangle of the resulting mesh, in order: the original one that it is (a part of).
+    std::vector<std::uint32_t> source_triangles;
+    // For each original vertex: the vertex of the resulting mesh that it became.
+    std::vector<std::uint32_t> resulting_vertices;
   };
   // Finishes the mesh: removes welded vertices, and puts the parts of a split triangle in its place; vertices keep their order. Afterwards
   // only representative_of and for_each_member may be called.
-  Sources finish();
+  Mapping finish();
 
  private:
   struct EdgeState {

@@ -48,10 +48,10 @@ TEST(SeamMesh, WeldsTwoSidesOfAGapIntoOneEdge) {
   EXPECT_EQ(seam.boundary_edges().size(), 6U);
   EXPECT_FALSE(seam.is_boundary(1, 2));
   EXPECT_EQ(seam.representative_of(7), 2U);
-  const SeamMesh::Sources sources = seam.finish();
+  const SeamMesh::Mapping mapping = seam.finish();
   EXPECT_EQ(mesh.vertices.size(), 6U);
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {1, 4, 5}, {1, 5, 2}}));
-  EXPECT_EQ(sources.vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 4, 5, 2}));
+  EXPECT_EQ(mapping.resulting_vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 1, 4, 5, 2}));
 }
 
 TEST(SeamMesh, RejectsWeldsThatBreakTheSurface) {
@@ -105,9 +105,9 @@ TEST(SeamMesh, SplitsAnEdgeAndUndoesTheSplit) {
   EXPECT_EQ(seam.zipped(), 0U);
 
   ASSERT_TRUE(seam.split(0, 1, 3));
-  const SeamMesh::Sources sources = seam.finish();
+  const SeamMesh::Mapping mapping = seam.finish();
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{3, 2, 0}, {1, 2, 3}, {5, 4, 3}}));
-  EXPECT_EQ(sources.triangles, (std::vector<std::uint32_t>{0, 0, 1}));
+  EXPECT_EQ(mapping.source_triangles, (std::vector<std::uint32_t>{0, 0, 1}));
 }
 
 TEST(SeamMesh, RejectsSplitsThatBreakTheSurface) {
