@@ -31,16 +31,16 @@ constexpr Number kNumbers[] = {
 
 void apply(const MaterialChange& change, Material& material) {
   for (const Number& number : kNumbers) {
-    if ((change.given & number.bit) != 0) material.*number.to = change.*number.from;
+    if ((change.fields & number.bit) != 0) material.*number.to = change.*number.from;
   }
 }
 
 // The values of the later change replace earlier ones.
 void merge(const MaterialChange& later, MaterialChange& into) {
   for (const Number& number : kNumbers) {
-    if ((later.given & number.bit) != 0) into.*number.from = later.*number.from;
+    if ((later.fields & number.bit) != 0) into.*number.from = later.*number.from;
   }
-  into.given |= later.given;
+  into.fields |= later.fields;
 }
 
 // A value that is not given is zero.
@@ -48,7 +48,7 @@ void remove(std::uint32_t bits, MaterialChange& from) {
   for (const Number& number : kNumbers) {
     if ((bits & number.bit) != 0) from.*number.from = 0.0;
   }
-  from.given &= ~bits;
+  from.fields &= ~bits;
 }
 
 std::span<MaterialState::Object> objects_of(MaterialState& state) { return std::span(state.objects).first(state.object_count); }
@@ -72,7 +72,7 @@ bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange&
 void remove_from_each(MaterialState& state, std::uint32_t bits) {
   for (MaterialState::Object& one : objects_of(state)) remove(bits, one.change);
   const auto known = objects_of(state);
-  const auto end = std::remove_if(known.begin(), known.end(), [](const MaterialState::Object& one) { return one.change.given == 0; });
+  const auto end = std::remove_if(known.begin(), known.end(), [](const MaterialState::Object& one) { return one.change.fields == 0; });
   std::fill(end, known.end(), MaterialState::Object());
   state.object_count = static_cast<std::uint32_t>(end - known.begin());
 }
@@ -123,7 +123,7 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
   MaterialState new_state = state_;
   bool has_room = true;
   if (name.empty()) {
-    remove_from_each(new_state, request.change.given);
+    remove_from_each(new_state, request.change.fields);
     has_room = merge_into(new_state, kAllObjects, request.change);
   } else {
     for (const std::size_t o : objects) has_room = has_room && merge_into(new_state, static_cast<std::int32_t>(o), request.change);

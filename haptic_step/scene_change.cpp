@@ -59,7 +59,7 @@ std::optional<MaterialState> describe_materials(const Scene& before, const Scene
     if (is_same_material(before.objects[o].material, now)) continue;
     if (state.object_count == MaterialState::kMaxObjects) return std::nullopt;
     state.objects[state.object_count++] = {static_cast<std::int32_t>(o),
-                                           {.given = MaterialChange::kAll,
+                                           {.fields = MaterialChange::kAll,
                                             .stiffness_n_per_m = now.stiffness_n_per_m,
                                             .damping_ns_per_m = now.damping_ns_per_m,
                                             .friction_static = now.friction_static,

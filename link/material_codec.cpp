@@ -11,13 +11,13 @@ namespace {
 constexpr int kNumbersOfChange = 4;
 
 // False: a number is invalid. Numbers that are not given must be zero, so that equal changes have equal bytes.
-bool read_change(std::uint32_t given, const std::array<double, kNumbersOfChange>& numbers, MaterialChange& to) {
-  if (given > MaterialChange::kAll) return false;
+bool read_change(std::uint32_t fields, const std::array<double, kNumbersOfChange>& numbers, MaterialChange& to) {
+  if (fields > MaterialChange::kAll) return false;
   for (int i = 0; i < kNumbersOfChange; ++i) {
-    const bool is_given = (given >> i & 1U) != 0;
+    const bool is_given = (fields >> i & 1U) != 0;
     if (is_given ? !is_amount(numbers[i]) : numbers[i] != 0.0) return false;
   }
-  to = {given, numbers[0], numbers[1], numbers[2], numbers[3]};
+  to = {fields, numbers[0], numbers[1], numbers[2], numbers[3]};
   return true;
 }
 
@@ -27,10 +27,10 @@ void write(const MaterialRequest& from, wire::MaterialRequest& to) {
   to.set_request(from.request);
   write_text(from.object, *to.mutable_object());
   const MaterialChange& change = from.change;
-  if ((change.given & MaterialChange::kStiffness) != 0) to.set_stiffness_n_per_m(change.stiffness_n_per_m);
-  if ((change.given & MaterialChange::kDamping) != 0) to.set_damping_ns_per_m(change.damping_ns_per_m);
-  if ((change.given & MaterialChange::kFrictionStatic) != 0) to.set_friction_static(change.friction_static);
-  if ((change.given & MaterialChange::kFrictionDynamic) != 0) to.set_friction_dynamic(change.friction_dynamic);
+  if ((change.fields & MaterialChange::kStiffness) != 0) to.set_stiffness_n_per_m(change.stiffness_n_per_m);
+  if ((change.fields & MaterialChange::kDamping) != 0) to.set_damping_ns_per_m(change.damping_ns_per_m);
+  if ((change.fields & MaterialChange::kFrictionStatic) != 0) to.set_friction_static(change.friction_static);
+  if ((change.fields & MaterialChange::kFrictionDynamic) != 0) to.set_friction_dynamic(change.friction_dynamic);
 }
 
 void write(const MaterialState& from, wire::MaterialState& to) {
@@ -43,7 +43,7 @@ void write(const MaterialState& from, wire::MaterialState& to) {
   for (std::size_t i = 0; i < std::min<std::size_t>(from.object_count, from.objects.size()); ++i) {
     const MaterialChange& change = from.objects[i].change;
     to.mutable_object()->AddAlreadyReserved(from.objects[i].object);
-    to.mutable_given()->AddAlreadyReserved(change.given);
+    to.mutable_given()->AddAlreadyReserved(change.fields);
     add_numbers(std::array{change.stiffness_n_per_m, change.damping_ns_per_m, change.friction_static, change.friction_dynamic},
                 *to.mutable_numbers());
   }
@@ -51,12 +51,12 @@ void write(const MaterialState& from, wire::MaterialState& to) {
 
 bool read(const wire::MaterialRequest& from, MaterialRequest& to) {
   to.request = from.request();
-  const std::uint32_t given = (from.has_stiffness_n_per_m() ? MaterialChange::kStiffness : 0U) |
-                              (from.has_damping_ns_per_m() ? MaterialChange::kDamping : 0U) |
-                              (from.has_friction_static() ? MaterialChange::kFrictionStatic : 0U) |
-                              (from.has_friction_dynamic() ? MaterialChange::kFrictionDynamic : 0U);
-  return to.request != 0 && given != 0 && read_text(from.object(), to.object) &&
-         read_change(given, {from.stiffness_n_per_m(), from.damping_ns_per_m(), from.friction_static(), from.friction_dynamic()},
+  const std::uint32_t fields = (from.has_stiffness_n_per_m() ? MaterialChange::kStiffness : 0U) |
+                               (from.has_damping_ns_per_m() ? MaterialChange::kDamping : 0U) |
+                               (from.has_friction_static() ? MaterialChange::kFrictionStatic : 0U) |
+                               (from.has_friction_dynamic() ? MaterialChange::kFrictionDynamic : 0U);
+  return to.request != 0 && fields != 0 && read_text(from.object(), to.object) &&
+         read_change(fields, {from.stiffness_n_per_m(), from.damping_ns_per_m(), from.friction_static(), from.friction_dynamic()},
                      to.change);
 }
 

@@ -195,7 +195,7 @@ struct MaterialChange {
   static constexpr std::uint32_t kFrictionDynamic = 8;
   static constexpr std::uint32_t kAll = 15;
 
-  std::uint32_t given = 0;  // bits of the above
+  std::uint32_t fields = 0;  // which numbers it has: bits of the above
   double stiffness_n_per_m = 0.0;
   double damping_ns_per_m = 0.0;
   double friction_static = 0.0;

@@ -116,7 +116,7 @@ Result<SettingsRequest> make_settings_request(const SettingsChange& change) {
   std::copy(change.method.begin(), change.method.end(), settings.method.begin());
   if (!change.method.empty()) settings.method_request = make_request_number();
   request.has_settings = change.rate_hz != 0.0 || !change.method.empty() || change.writes_report || change.resets_faults;
-  if (change.material.given == 0) return request;
+  if (change.material.fields == 0) return request;
   MaterialRequest& material = request.material.emplace();
   if (change.object.size() >= material.object.size()) {
     return fail("the name of an object has at most {} bytes, not {}", material.object.size() - 1, change.object.size());

@@ -210,14 +210,14 @@ std::string change_settings(LiveClient& client, const std::optional<std::string>
   const auto give = [&](const std::optional<double>& value, const MaterialLimit& limit, std::uint32_t bit, double& into) {
     if (!value) return;
     if (const auto fits = check_number(limit, limit.key, *value); !fits) raise_value_error(fits.error().what);
-    change.material.given |= bit;
+    change.material.fields |= bit;
     into = *value;
   };
   give(stiffness_n_per_m, kStiffnessLimit, MaterialChange::kStiffness, change.material.stiffness_n_per_m);
   give(damping_ns_per_m, kDampingLimit, MaterialChange::kDamping, change.material.damping_ns_per_m);
   give(friction_static, kFrictionStaticLimit, MaterialChange::kFrictionStatic, change.material.friction_static);
   give(friction_dynamic, kFrictionDynamicLimit, MaterialChange::kFrictionDynamic, change.material.friction_dynamic);
-  if (object && change.material.given == 0) {
+  if (object && change.material.fields == 0) {
     raise_value_error(fmt::format("nothing to set for object '{}'; give a stiffness, damping or friction", *object));
   }
   if (rate_hz && !(*rate_hz >= kMinServoRateHz && *rate_hz <= kMaxServoRateHz)) {
@@ -226,7 +226,7 @@ std::string change_settings(LiveClient& client, const std::optional<std::string>
   if (method && !is_method_name(*method) && *method != "plugin") {
     raise_value_error(fmt::format("method '{}' is not known; choose one of: {}, or plugin", *method, method_names()));
   }
-  if (change.material.given == 0 && !rate_hz && !method) {
+  if (change.material.fields == 0 && !rate_hz && !method) {
     raise_value_error("nothing to set; give method, rate_hz, a stiffness, damping or friction");
   }
   change.method = method.value_or("");

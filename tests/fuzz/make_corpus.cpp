@@ -63,7 +63,8 @@ std::vector<ListedDatagram> sealed(std::initializer_list<SentMessage> all) {
 }
 
 bool write_sealed() {
-  const MaterialRequest change{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
+  const MaterialRequest change{
+      .request = 1, .object = {"hull"}, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
   const MoveRequest move{.request = 1, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0), .q = Quat::Identity(), .over_s = 0.5};
   Carves carves{.source = 1, .newest = 2, .first = 1, .count = 2};
   carves.carves.fill({.to_m = {0.0F, 0.01F, 0.0F}, .radius_m = 0.005F});

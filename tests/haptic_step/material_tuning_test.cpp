@@ -28,9 +28,9 @@ MaterialRequest request(const std::string& object, const MaterialChange& change)
   return made;
 }
 
-MaterialChange stiffness(double n_per_m) { return {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}; }
+MaterialChange stiffness(double n_per_m) { return {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}; }
 MaterialChange friction(double both) {
-  return {.given = MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic, .friction_static = both, .friction_dynamic = both};
+  return {.fields = MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic, .friction_static = both, .friction_dynamic = both};
 }
 
 struct TunedScene : testing::Test {
@@ -74,7 +74,7 @@ TEST_F(TunedScene, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
 TEST_F(TunedScene, NumbersThatAreNotGivenStay) {
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_EQ(change("", friction(0.4)), "");
-  EXPECT_EQ(change("hull", {.given = MaterialChange::kDamping, .damping_ns_per_m = 1.5}), "");
+  EXPECT_EQ(change("hull", {.fields = MaterialChange::kDamping, .damping_ns_per_m = 1.5}), "");
   const Material hull = tuned_materials(scene.touch_scene(), tuning.state(), 0.0)[0];
   EXPECT_EQ(hull.stiffness_n_per_m, 800.0);
   EXPECT_EQ(hull.damping_ns_per_m, 1.5);
@@ -92,14 +92,14 @@ TEST_F(TunedScene, AnUnknownObjectIsRejectedWithTheNearestName) {
 TEST_F(TunedScene, AChangeIsOfAllOrOfNone) {
   EXPECT_EQ(change("mast", friction(0.3)), "");
   // The mast alone would have less static than dynamic friction.
-  EXPECT_THAT(change("", {.given = MaterialChange::kFrictionStatic, .friction_static = 0.2}),
+  EXPECT_THAT(change("", {.fields = MaterialChange::kFrictionStatic, .friction_static = 0.2}),
               HasSubstr("'friction_dynamic' of object 'mast' is 0.3"));
   EXPECT_EQ(tuned_materials(scene.touch_scene(), tuning.state(), 0.0)[0].friction_static, 0.0);
 }
 
 TEST_F(TunedScene, WhatASceneFileCouldNotHaveIsRejectedAndChangesNothing) {
   EXPECT_EQ(change("hull", friction(0.4)), "");
-  EXPECT_THAT(change("hull", {.given = MaterialChange::kFrictionDynamic, .friction_dynamic = 0.5}),
+  EXPECT_THAT(change("hull", {.fields = MaterialChange::kFrictionDynamic, .friction_dynamic = 0.5}),
               HasSubstr("more than 'friction_static' 0.4"));
   EXPECT_THAT(change("", stiffness(2e6)), HasSubstr("at most 1000000"));
   EXPECT_EQ(stiffnesses(), (std::vector{1000.0, 1000.0, 1000.0, 1000.0}));

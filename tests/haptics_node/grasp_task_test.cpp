@@ -106,7 +106,7 @@ TEST_F(GraspTaskTest, AHeldObjectIsShownInTheFrameOfTheStylus) {
 
 // The touched surfaces damp a held object, with the damping that `hapton set` has given them since the scene was loaded.
 TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
-  MaterialRequest request{.request = 1, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 3.0}};
+  MaterialRequest request{.request = 1, .change = {.fields = MaterialChange::kDamping, .damping_ns_per_m = 3.0}};
   put_text("wall", request.object);
   material_task->request(request);
   for (int i = 0; i < 3000 && material_task->take() == nullptr; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));

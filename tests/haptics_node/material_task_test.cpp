@@ -28,7 +28,7 @@ Scene hull_and_deck() {
 }
 
 MaterialRequest stiffness_request(std::uint32_t number, std::string_view object, double n_per_m) {
-  MaterialRequest made{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}};
+  MaterialRequest made{.request = number, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}};
   std::copy(object.begin(), object.end(), made.object.begin());
   return made;
 }
@@ -76,7 +76,7 @@ TEST(MaterialTask, GivesTheToolMaterialsOfARigidTool) {
   };
   MaterialTask material_task(scene, 900.0, {}, describe);
   MaterialRequest request = stiffness_request(5, "deck", 2000.0);
-  request.change.given |= MaterialChange::kDamping | MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic;
+  request.change.fields |= MaterialChange::kDamping | MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic;
   request.change.damping_ns_per_m = 2.0;
   request.change.friction_static = 0.5;
   request.change.friction_dynamic = 0.4;

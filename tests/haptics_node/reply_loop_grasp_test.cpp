@@ -252,7 +252,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   };
   const auto stiffen = [&](std::uint32_t number, double n_per_m) {
     for (int i = 0; i < 6000 && materials_.request != number; ++i) {
-      send(MaterialRequest{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}});
+      send(MaterialRequest{.request = number, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}});
       press(1);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));  // material_task works in real time
     }

@@ -335,7 +335,7 @@ class TunedLoopTest : public ReplyLoopTest {
     return scene;
   }
   static MaterialRequest request(std::uint32_t number, std::string_view object, double stiffness_n_per_m) {
-    MaterialRequest made{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = stiffness_n_per_m}};
+    MaterialRequest made{.request = number, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = stiffness_n_per_m}};
     std::copy(object.begin(), object.end(), made.object.begin());
     return made;
   }

@@ -72,7 +72,7 @@ TEST_F(ToolLoopTest, EffectsFromFilesStayInTheSetupWhereMaterialsChange) {
   loop_.set_effects(&effects);
   for (int n = 0; n < 1500; ++n) exchange();  // long enough: a setup is sent once a second
   EXPECT_EQ(method(), "name=tool soft" + effects.to_text());
-  const MaterialRequest harder{.request = 7, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 1500.0}};
+  const MaterialRequest harder{.request = 7, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 1500.0}};
   for (int n = 0; n < 6000 && materials_.request != 7; ++n) {
     send(harder);
     exchange();

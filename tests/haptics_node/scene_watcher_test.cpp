@@ -208,7 +208,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   EXPECT_NE(built->scene->facts.given_hash, 0U);
 
   // From here on the names in requests by tools are those of the new scene.
-  MaterialRequest request{.request = 4, .object = {"a"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
+  MaterialRequest request{.request = 4, .object = {"a"}, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
   material_task->request(request);
   const auto result = wait_for_materials();
   ASSERT_NE(result, nullptr);

@@ -62,7 +62,7 @@ TEST_F(NetworkLoops, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVisio
   join(kTool, NodeRole::tool);
   join(kVision, NodeRole::vision);
   run(5);
-  const MaterialRequest request{.request = 7, .object = {"hull"}, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 2.0}};
+  const MaterialRequest request{.request = 7, .object = {"hull"}, .change = {.fields = MaterialChange::kDamping, .damping_ns_per_m = 2.0}};
   say(kTool, request);
   say(kVision, request);  // a vision node may not send this
   run(2);

@@ -174,9 +174,9 @@ class RandomDatagrams {
     }
   }
 
-  MaterialChange draw_material_change(std::uint32_t given) {
-    const auto value = [&](std::uint32_t bit) { return (given & bit) != 0 ? number(0, 1e6) : 0.0; };
-    return {given, value(MaterialChange::kStiffness), value(MaterialChange::kDamping), value(MaterialChange::kFrictionStatic),
+  MaterialChange draw_material_change(std::uint32_t fields) {
+    const auto value = [&](std::uint32_t bit) { return (fields & bit) != 0 ? number(0, 1e6) : 0.0; };
+    return {fields, value(MaterialChange::kStiffness), value(MaterialChange::kDamping), value(MaterialChange::kFrictionStatic),
             value(MaterialChange::kFrictionDynamic)};
   }
 

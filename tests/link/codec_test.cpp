@@ -254,13 +254,14 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
 }
 
 TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
-  const MaterialRequest good{.request = 1, .object = {"hull"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800.0}};
+  const MaterialRequest good{
+      .request = 1, .object = {"hull"}, .change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 800.0}};
   EXPECT_EQ(round_trip(good), DecodeStatus::ok);
   MaterialRequest bad = good;
   bad.request = 0;
   EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value) << "nobody could match the reply";
   bad = good;
-  bad.change.given = 0;
+  bad.change.fields = 0;
   EXPECT_EQ(round_trip(bad), DecodeStatus::bad_value);
   bad = good;
   bad.object = {'a', '\n'};
@@ -279,9 +280,9 @@ TEST_F(CodecTest, RejectsChangesOfMaterialsThatMeanNothing) {
     state.objects[1].object = object;
     EXPECT_EQ(round_trip(state), DecodeStatus::bad_value) << object;
   }
-  state.objects[1] = {3, {.given = MaterialChange::kDamping, .stiffness_n_per_m = 1.0}};
+  state.objects[1] = {3, {.fields = MaterialChange::kDamping, .stiffness_n_per_m = 1.0}};
   EXPECT_EQ(round_trip(state), DecodeStatus::bad_value) << "a number that is not given";
-  state.objects[1] = {3, {.given = MaterialChange::kAll + 1}};
+  state.objects[1] = {3, {.fields = MaterialChange::kAll + 1}};
   EXPECT_EQ(round_trip(state), DecodeStatus::bad_value);
 }
 

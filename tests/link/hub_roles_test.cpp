@@ -48,7 +48,7 @@ TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
 }
 
 TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
-  const MaterialRequest material{.request = 1, .change = {.given = MaterialChange::kDamping}};
+  const MaterialRequest material{.request = 1, .change = {.fields = MaterialChange::kDamping}};
   const std::vector<std::pair<Message, NodeRole>> messages = {
       {ForceCommand{}, NodeRole::haptics},
       {HapticsSetup{}, NodeRole::haptics},

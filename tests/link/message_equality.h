@@ -51,7 +51,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.shape_serial, b.shape_serial);
 }
 inline void expect_equal(const MaterialChange& a, const MaterialChange& b) {
-  EXPECT_EQ(a.given, b.given);
+  EXPECT_EQ(a.fields, b.fields);
   EXPECT_EQ(a.stiffness_n_per_m, b.stiffness_n_per_m);
   EXPECT_EQ(a.damping_ns_per_m, b.damping_ns_per_m);
   EXPECT_EQ(a.friction_static, b.friction_static);

@@ -23,7 +23,7 @@ inline void expect_within_limits(const ShapePart& part) {
 }
 
 inline void expect_within_limits(const MaterialChange& change) {
-  EXPECT_LE(change.given, MaterialChange::kAll);
+  EXPECT_LE(change.fields, MaterialChange::kAll);
   for (const double number : {change.stiffness_n_per_m, change.damping_ns_per_m, change.friction_static, change.friction_dynamic}) {
     EXPECT_TRUE(number >= 0.0 && number <= kMaxWireMagnitude);
   }
@@ -100,7 +100,7 @@ inline void expect_within_limits(const Datagram& datagram) {
   } else if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) {
     EXPECT_NE(request->request, 0U);
     EXPECT_EQ(request->object.back(), '\0');
-    EXPECT_NE(request->change.given, 0U);
+    EXPECT_NE(request->change.fields, 0U);
     expect_within_limits(request->change);
   } else if (const auto* marker = std::get_if<Marker>(&datagram.message)) {
     EXPECT_NE(marker->request, 0U);

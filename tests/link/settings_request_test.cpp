@@ -25,7 +25,7 @@ using ::testing::HasSubstr;
 
 TEST(SettingsRequests, HoldWhatIsToChangeAndNothingElse) {
   const auto request = make_settings_request(
-      {.rate_hz = 2000.0, .method = "smooth", .object = "lid", .material = {.given = MaterialChange::kDamping, .damping_ns_per_m = 0.5}});
+      {.rate_hz = 2000.0, .method = "smooth", .object = "lid", .material = {.fields = MaterialChange::kDamping, .damping_ns_per_m = 0.5}});
   ASSERT_TRUE(request) << request.error().what;
   EXPECT_TRUE(request->has_settings);
   EXPECT_EQ(request->settings.servo_rate_hz, 2000.0);
@@ -35,12 +35,12 @@ TEST(SettingsRequests, HoldWhatIsToChangeAndNothingElse) {
   ASSERT_TRUE(request->material);
   EXPECT_STREQ(request->material->object.data(), "lid");
   EXPECT_NE(request->material->request, 0U);
-  EXPECT_EQ(request->material->change.given, MaterialChange::kDamping);
+  EXPECT_EQ(request->material->change.fields, MaterialChange::kDamping);
   EXPECT_EQ(request->material->change.damping_ns_per_m, 0.5);
 }
 
 TEST(SettingsRequests, AMaterialAloneNeedsNoSettings) {
-  const auto request = make_settings_request({.material = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0}});
+  const auto request = make_settings_request({.material = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0}});
   ASSERT_TRUE(request && request->material);
   EXPECT_FALSE(request->has_settings);
   EXPECT_EQ(request->material->object[0], '\0');
@@ -54,7 +54,7 @@ TEST(SettingsRequests, AMaterialAloneNeedsNoSettings) {
 }
 
 TEST(SettingsRequests, ANameThatIsTooLongIsRejectedInOneLine) {
-  const MaterialChange stiffer{.given = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0};
+  const MaterialChange stiffer{.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0};
   for (const SettingsChange& change :
        {SettingsChange{.method = std::string(16, 'm')}, SettingsChange{.object = std::string(256, 'o'), .material = stiffer}}) {
     const auto made = make_settings_request(change);
@@ -146,7 +146,7 @@ class ApplySettingsTest : public testing::Test {
   std::int64_t next_state_ns_ = 0;
 };
 
-constexpr MaterialChange kSoft{.given = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0};
+constexpr MaterialChange kSoft{.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 300.0};
 
 TEST_F(ApplySettingsTest, AMaterialIsInUseOnceTheHapticsNodeConfirmsThatRequest) {
   setup_.emplace();

@@ -55,7 +55,7 @@ MaterialChange make_change(const SetOptions& options) {
   MaterialChange change;
   const auto set_if_given = [&](const std::optional<double>& value, std::uint32_t bit, double& into) {
     if (!value) return;
-    change.given |= bit;
+    change.fields |= bit;
     into = *value;
   };
   set_if_given(options.stiffness_n_per_m, MaterialChange::kStiffness, change.stiffness_n_per_m);
@@ -71,10 +71,10 @@ bool has_settings(const SetOptions& options) {
 
 Result<SettingsRequest> make_request(const SetOptions& options) {
   const MaterialChange material = make_change(options);
-  if (material.given == 0 && !options.object.empty()) {
+  if (material.fields == 0 && !options.object.empty()) {
     return fail("nothing to set for object '{}'; give --stiffness, --damping or --friction", options.object);
   }
-  if (material.given == 0 && !has_settings(options)) {
+  if (material.fields == 0 && !has_settings(options)) {
     return fail("nothing to set; give --rate, --method, --stiffness, --damping, --friction, --report or --reset-faults");
   }
   if (!options.method.empty() && !is_method_name(options.method) && options.method != "plugin") {

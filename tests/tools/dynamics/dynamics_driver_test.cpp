@@ -72,7 +72,7 @@ class Loop {
   // Sets the stiffness as `hapton set --stiffness` does, for the haptics node and, if is_sent_to_dynamics, for the dynamics.
   void set_stiffness(double n_per_m, bool is_sent_to_dynamics) {
     MaterialState state{.serial = 1, .object_count = 1};
-    state.objects[0].change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m};
+    state.objects[0].change = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m};
     step_->set_materials(tuned_materials(scene_.touch_scene(), state, 0.0));
     if (is_sent_to_dynamics) driver_.take(state);
   }

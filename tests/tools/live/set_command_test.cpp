@@ -50,7 +50,7 @@ TEST_F(SetCommandTest, EachNumberOfAMaterialIsSentAsItself) {
   ASSERT_TRUE(material);
   EXPECT_STREQ(material->object.data(), "cube");
   const MaterialChange& change = material->change;
-  EXPECT_EQ(change.given, MaterialChange::kAll);
+  EXPECT_EQ(change.fields, MaterialChange::kAll);
   EXPECT_EQ(change.stiffness_n_per_m, 400.0);
   EXPECT_EQ(change.damping_ns_per_m, 0.5);
   EXPECT_EQ(change.friction_static, 0.4);
@@ -64,7 +64,7 @@ TEST_F(SetCommandTest, OnlyWhatIsGivenChanges) {
   EXPECT_THAT(run.out, HasSubstr("material of all objects in use"));
   ASSERT_TRUE(material);
   EXPECT_EQ(material->object[0], '\0');
-  EXPECT_EQ(material->change.given, MaterialChange::kDamping | MaterialChange::kFrictionDynamic);
+  EXPECT_EQ(material->change.fields, MaterialChange::kDamping | MaterialChange::kFrictionDynamic);
   EXPECT_EQ(material->change.damping_ns_per_m, 0.5);
   EXPECT_EQ(material->change.friction_dynamic, 0.1);
 }
@@ -72,7 +72,7 @@ TEST_F(SetCommandTest, OnlyWhatIsGivenChanges) {
 TEST_F(SetCommandTest, OneFrictionIsBothStaticAndDynamic) {
   EXPECT_EQ(set({"--friction", "0.2"}).code, 0);
   ASSERT_TRUE(material);
-  EXPECT_EQ(material->change.given, MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic);
+  EXPECT_EQ(material->change.fields, MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic);
   EXPECT_EQ(material->change.friction_static, 0.2);
   EXPECT_EQ(material->change.friction_dynamic, 0.2);
 }

@@ -100,8 +100,8 @@ TEST_F(SessionReplayTest, AMethodHoldsFromTheReplyThatCountsIt) {
 }
 
 constexpr MaterialChange kSofter = {
-    .given = MaterialChange::kStiffness | MaterialChange::kFrictionDynamic, .stiffness_n_per_m = 600.0, .friction_dynamic = 0.1};
-constexpr MaterialChange kHarder = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 1700.0};
+    .fields = MaterialChange::kStiffness | MaterialChange::kFrictionDynamic, .stiffness_n_per_m = 600.0, .friction_dynamic = 0.1};
+constexpr MaterialChange kHarder = {.fields = MaterialChange::kStiffness, .stiffness_n_per_m = 1700.0};
 
 TEST_F(SessionReplayTest, MaterialsHoldFromTheReplyThatCountsThem) {
   slide(200);
