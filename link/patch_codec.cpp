@@ -199,7 +199,8 @@ void write(const PatchDisplacements& from, wire::PatchDisplacements& to) {
   to.set_tile(from.tile);
   to.set_target(from.target);
   to.mutable_by_m()->Clear();
-  add_numbers(std::span(from.by_m).first(std::min<std::size_t>(3 * std::size_t{from.vertex_count}, from.by_m.size())), *to.mutable_by_m());
+  const std::size_t count = std::min<std::size_t>(3 * std::size_t{from.vertex_count}, from.displacements_m.size());
+  add_numbers(std::span(from.displacements_m).first(count), *to.mutable_by_m());
 }
 
 void write(const PatchStream& from, wire::PatchStream& to) {
@@ -324,9 +325,9 @@ bool read(const wire::PatchDisplacements& from, PatchDisplacements& to) {
   to.tile = from.tile();
   to.target = from.target();
   const auto count = static_cast<std::size_t>(from.by_m().size());
-  if (to.target >= PatchDeformation::kMaxTargets || count == 0 || count % 3 != 0 || count > to.by_m.size()) return false;
+  if (to.target >= PatchDeformation::kMaxTargets || count == 0 || count % 3 != 0 || count > to.displacements_m.size()) return false;
   to.vertex_count = static_cast<std::uint8_t>(count / 3);
-  std::copy(from.by_m().begin(), from.by_m().end(), to.by_m.begin());
+  std::copy(from.by_m().begin(), from.by_m().end(), to.displacements_m.begin());
   return std::all_of(from.by_m().begin(), from.by_m().end(), [](float by_m) { return is_amount(std::abs(static_cast<double>(by_m))); });
 }
 

@@ -122,8 +122,8 @@ struct PatchDisplacements {
   std::uint32_t serial = 0;
   std::uint32_t tile = 0;
   std::uint32_t target = 0;
-  std::uint8_t vertex_count = 0;                             // as in the tile
-  std::array<float, 3 * PatchTile::kMaxVertices> by_m = {};  // x, y, z of each
+  std::uint8_t vertex_count = 0;                                        // as in the tile
+  std::array<float, 3 * PatchTile::kMaxVertices> displacements_m = {};  // x, y, z of each
 };
 
 // haptics -> hub: that programs deform a body, which is one object (ShapeStart), and which vertices of its mesh the vertices of a tile are.

@@ -64,7 +64,7 @@ std::shared_ptr<const MeshDeformation> DeformingParts::make(std::span<const Disp
   std::vector<std::map<std::uint32_t, Vec3>> moved(head_.target_count);
   for (const DisplacedTile& tile : tiles) {
     for (std::size_t v = 0; v < tile.vertices.size(); ++v) {
-      const float* const by = tile.displaced->by_m.data() + 3 * v;
+      const float* const by = tile.displaced->displacements_m.data() + 3 * v;
       const Vec3 by_m(static_cast<double>(by[0]), static_cast<double>(by[1]), static_cast<double>(by[2]));
       if (!by_m.isZero(0.0)) moved[tile.displaced->target].try_emplace(tile.vertices[v], by_m);
     }

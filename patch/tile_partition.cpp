@@ -221,7 +221,8 @@ class Displacer {
       for (std::size_t v = 0; v < tile.vertex_count; ++v) {
         const Vec3& by = displacement(vertices_.at(read_vertex(tile, v)), j);
         moves_any_vertex = moves_any_vertex || !by.isZero(0.0);
-        for (int axis = 0; axis < 3; ++axis) displaced.by_m[3 * v + static_cast<std::size_t>(axis)] = static_cast<float>(by[axis]);
+        for (int axis = 0; axis < 3; ++axis)
+          displaced.displacements_m[3 * v + static_cast<std::size_t>(axis)] = static_cast<float>(by[axis]);
       }
       if (moves_any_vertex) tiled_.displaced.push_back(displaced);
     }

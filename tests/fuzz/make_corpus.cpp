@@ -274,7 +274,7 @@ bool write_codec_parts() {
   weights.all_keys = weights.key_count = 2;
   weights.keys = {0.0, 0.0, 0.5, 1.0, 1.0, -0.5};
   PatchDisplacements displaced{.epoch = 1, .serial = 4, .target = 1, .vertex_count = 2};
-  displaced.by_m = {0.001F, 0.0F, -0.002F, 0.0F, 0.003F, 0.0F};
+  displaced.displacements_m = {0.001F, 0.0F, -0.002F, 0.0F, 0.003F, 0.0F};
   PatchStream stream{.epoch = 1, .serial = 5, .body = 1, .tile_count = 1, .total = 3, .reach_m = 0.01, .to_scene = Mat3::Identity()};
   stream.vertex_count = 3;
   stream.vertices = {0, 2, 1};

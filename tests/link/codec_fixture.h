@@ -340,7 +340,7 @@ class RandomDatagrams {
     PatchDisplacements displacements{bits32(), bits32(), bits32(), static_cast<std::uint32_t>(bits32() % PatchDeformation::kMaxTargets)};
     displacements.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMaxVertices);
     for (std::size_t i = 0; i < 3 * std::size_t{displacements.vertex_count}; ++i) {
-      displacements.by_m[i] = static_cast<float>(number(-0.01, 0.01));
+      displacements.displacements_m[i] = static_cast<float>(number(-0.01, 0.01));
     }
     return displacements;
   }

@@ -267,8 +267,8 @@ inline void expect_equal(const PatchDeformation& a, const PatchDeformation& b) {
                      b.first_key, b.key_count, b.keys));
 }
 inline void expect_equal(const PatchDisplacements& a, const PatchDisplacements& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.target, a.vertex_count, a.by_m),
-            std::tie(b.epoch, b.serial, b.tile, b.target, b.vertex_count, b.by_m));
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.target, a.vertex_count, a.displacements_m),
+            std::tie(b.epoch, b.serial, b.tile, b.target, b.vertex_count, b.displacements_m));
 }
 inline void expect_equal(const PatchStream& a, const PatchStream& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.first_tile, a.tile_count, a.object, a.total, a.reach_m, a.shape_serial, a.tile,

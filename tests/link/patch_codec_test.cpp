@@ -111,7 +111,7 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   displacements.vertex_count = 0;
   EXPECT_EQ(round_trip(displacements), DecodeStatus::bad_value);
   displacements.vertex_count = 2;
-  displacements.by_m[4] = std::numeric_limits<float>::infinity();
+  displacements.displacements_m[4] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(round_trip(displacements), DecodeStatus::bad_value);
 
   PatchBody body{.epoch = 1, .serial = 2, .body = 3, .deforms = true};

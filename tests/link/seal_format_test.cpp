@@ -113,7 +113,7 @@ void lengthen(PatchDeformation& m) {
 }
 void lengthen(PatchDisplacements& m) {
   m = {kMax32, kMax32, kMax32, PatchDeformation::kMaxTargets - 1, PatchTile::kMaxVertices};
-  m.by_m.fill(1.0F / 3.0F);
+  m.displacements_m.fill(1.0F / 3.0F);
 }
 void lengthen(PatchStream& m) {
   m = {kMax32, kMax32, PatchBody::kMaxBodies - 1, kMax32 - 1, kMax32, kMax32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};

@@ -327,7 +327,7 @@ bool may_deform(const std::vector<float>& z_m, const std::vector<MorphKey>& keys
   for (std::uint32_t j = 0; j < z_m.size(); ++j) {
     displaced[j].target = j;
     displaced[j].vertex_count = 1;
-    displaced[j].by_m[2] = z_m[j];
+    displaced[j].displacements_m[2] = z_m[j];
     tiles.push_back({vertices, &displaced[j]});
   }
   return parts.make(tiles) != nullptr;

@@ -169,7 +169,7 @@ class RandomParts {
     displacements.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
     displacements.target = static_cast<std::uint32_t>(random_() % PatchDeformation::kMaxTargets);
     displacements.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
-    for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(random_number(), -1e6, 1e6));
+    for (float& by_m : displacements.displacements_m) by_m = static_cast<float>(std::clamp(random_number(), -1e6, 1e6));
     return displacements;
   }
   // A part of an object that programs deform, of few tiles, as in deformation(). For three in four of them, one shape() message has a whole
