@@ -1,5 +1,6 @@
 """hapton.ToolStep: batches of poses of a rigid tool."""
 import os
+import re
 import tempfile
 import unittest
 import warnings
@@ -92,11 +93,24 @@ class ToolTest(unittest.TestCase):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tool = hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "pegs.toml"))
-            felt = tool.step(np.eye(4))
-            self.assertTrue(np.isfinite(felt["force_n"]).all())
-            self.assertIn("tool: ", tool.describe())
+            # The lower end of the peg, 20 mm below its middle, is pressed onto the upper side of the blocks, at z = 10 mm.
+            poses = straight_down(0.0285, high=0.04)
+            poses[:, :2, 3] = [-0.026, 0.012]
+            felt = tool.step(poses)
+            self.assertFalse(felt["contact"][0])
+            self.assertGreater(felt["force_n"][-1, 2], 0.1)
             peg = os.path.join(SOURCE, "meshes", "peg.obj")
-            hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"), tool=peg, tool_unit="mm", grip="centre")
+            other = hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"), tool=peg, tool_unit="mm", grip="centre")
+
+            def triangles_of(step):
+                return int(re.search(r"tool: ([0-9]+) triangles", step.describe()).group(1))
+
+            self.assertEqual(triangles_of(tool), triangles_of(other))
+            self.assertNotEqual(triangles_of(tool), triangles_of(hapton.ToolStep(make_cube(), make_floor())))
+            # The wall's upper side is at z = 0.05 mm.
+            felt = other.step(straight_down(0.0195, high=0.03))
+            self.assertFalse(felt["contact"][0])
+            self.assertGreater(felt["force_n"][-1, 2], 0.1)
         with self.assertRaisesRegex(ValueError, r"thin_wall.toml has no \[tool\]; give tool="):
             hapton.ToolStep.from_scene(os.path.join(SOURCE, "scenes", "thin_wall.toml"))
         with self.assertRaisesRegex(ValueError, "nowhere.toml"):
