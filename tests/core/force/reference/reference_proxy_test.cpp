@@ -110,6 +110,47 @@ TEST(ReferenceProxy, AFloorAndAnEdgeLeadASphereUnderFrictionOnAnEllipse) {
   }
 }
 
+// The sphere slips from a corner of a box, of which the octant x, y, z < 0 is the part nearby: from p, whose part outside the octant is
+// p.cwiseMax(0), in the direction of steepest descent. Returns where it enters a face. kPiece: by the midpoint rule, an error below 1e-9.
+Vec3 follow_to_face(Vec3 p, const Vec3& device, double radius) {
+  constexpr double kPiece = 5e-6;
+  const auto direction_at = [&](const Vec3& at) -> Vec3 {
+    const Vec3 normal = at.cwiseMax(0.0).normalized();
+    const Vec3 pull = device - at;
+    return (pull - pull.dot(normal) * normal).normalized();
+  };
+  while ((p.array() > 0.0).count() > 1) {
+    p += kPiece * direction_at(p + 0.5 * kPiece * direction_at(p));
+    const Vec3 outside = p.cwiseMax(0.0);
+    p += (radius / outside.norm() - 1.0) * outside;
+  }
+  return p;
+}
+
+// While the device holds still, a sphere under friction slips off the corner of a box: round the corner and an edge along its pull, which
+// turns on the way, then straight over a face until its pull is on the dynamic cone.
+TEST(ReferenceProxy, UnderFrictionASphereSlipsOffAVertexAlongItsPull) {
+  constexpr double kRadius = 0.1;
+  const TriangleMesh box = scaled_and_moved(make_box(Vec3::Constant(0.4)), 1.0, Vec3::Constant(-0.2));
+  for (const double friction : {0.02, 0.1}) {
+    for (const Vec3& start : {Vec3(3, 2, 1), Vec3(2, 5, 3), Vec3(3, 4, 6)}) {
+      ReferenceProxy proxy(kRadius, {Material{.friction_static = friction, .friction_dynamic = friction}}, box.triangles.size());
+      for (std::uint32_t i = 0; i < box.triangles.size(); ++i)
+        proxy.add_face({PreparedTriangle(box.corner(i, 0), box.corner(i, 1), box.corner(i, 2)), i, 0});
+      const Vec3 device(-0.06, -0.08, -0.07);
+      proxy.place_held(kRadius * start.normalized(), true);
+      Vec3 expected = follow_to_face(proxy.state().position, device, kRadius);
+      const Vec3 normal = (expected.array() > 0.0).cast<double>();
+      const Vec3 along = device - expected - normal.dot(device - expected) * normal;
+      expected += along - friction * normal.dot(expected - device) * along.normalized();
+      proxy.follow(device, device, {});
+      EXPECT_LT((proxy.state().position - expected).norm(), 1e-8) << friction << ", from " << start.transpose();
+      EXPECT_LT(proxy.counters().motions, 4000U) << friction << ", from " << start.transpose();
+      EXPECT_TRUE(proxy.state().sliding) << friction << ", from " << start.transpose();
+    }
+  }
+}
+
 std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const TriangleMesh& mesh) {
   auto proxy = std::make_unique<ReferenceProxy>(0.0, std::vector<Material>{Material{}}, mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
