@@ -57,6 +57,7 @@ std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return k
 void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
   processes_.add(datagram->message);
+  earlier_.add(datagram->message);
   const double t_s = seconds_between(start_ns_, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) add_setup(*setup, datagram->header.sender, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);
@@ -89,16 +90,15 @@ void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, doubl
   if (carve_process_ != processes_.number()) {
     carve_process_ = processes_.number();
     has_carve_.clear();
-    last_earlier_carve_ = 0;
-    if (carve_process_ == 0) last_earlier_carve_ = carves.count == 0 ? carves.newest : carves.first - 1;
   }
+  const std::uint32_t last_earlier = carve_process_ == 0 ? earlier_.last() : 0;
   for (std::uint32_t n = 0; n < carves.count; ++n) {
     const std::uint32_t serial = carves.first + n;
     if (serial >= kMaxSerial) return;
     if (serial >= has_carve_.size()) has_carve_.resize(serial + 1);
     if (has_carve_[serial]) continue;
     has_carve_[serial] = true;
-    carves_.push_back({.t_s = serial <= last_earlier_carve_ ? std::numeric_limits<double>::quiet_NaN() : t_s,
+    carves_.push_back({.t_s = serial <= last_earlier ? std::numeric_limits<double>::quiet_NaN() : t_s,
                        .sender = sender,
                        .process = *carve_process_,
                        .serial = serial,

@@ -10,6 +10,7 @@
 
 #include "link/codec.h"
 #include "link/session_entry.h"
+#include "recording/earlier_carves.h"
 #include "recording/haptics_process_count.h"
 
 namespace hapton {
@@ -77,8 +78,8 @@ class ObjectChanges {
   std::map<std::int32_t, std::uint32_t> move_serials_;  // the newest, by object
   std::vector<RecordedMove> moves_;
   std::optional<std::uint32_t> carve_process_;  // of the newest Carves
-  std::uint32_t last_earlier_carve_ = 0;        // carves of this process up to this serial were made before the recording
-  std::vector<bool> has_carve_;                 // by serial, of this process
+  EarlierCarves earlier_;
+  std::vector<bool> has_carve_;  // by serial, of this process
   std::vector<RecordedCarve> carves_;
 };
 

@@ -79,13 +79,13 @@ void RecordingIndex::add_carves(const Carves& carves, double t_s) {
   const KnownCarves::News news = known_carves_.take(carves, Arrival::newest);
   if (!news.starts_anew && news.carves.empty()) return;
   const bool is_first = carves_.empty();
-  if (is_first) last_earlier_carve_ = carves.count == 0 ? carves.newest : carves.first - 1;
-  if (news.starts_anew && !is_first) last_earlier_carve_ = 0;
+  if (news.starts_anew) is_first_carver_ = is_first;
+  const std::uint32_t last_earlier = is_first_carver_ ? earlier_.last() : 0;
   // Carves that were made before the recording are received during it, on the hub's request. They belong to its beginning.
   std::vector<NumberedCarve> new_carves;
   for (std::uint32_t n = 0; n < news.carves.size(); ++n) new_carves.push_back({news.first + n, news.carves[n]});
   if (!is_first && !news.starts_anew) {
-    const auto later = std::ranges::find_if(new_carves, [&](const NumberedCarve& one) { return one.serial > last_earlier_carve_; });
+    const auto later = std::ranges::find_if(new_carves, [&](const NumberedCarve& one) { return one.serial > last_earlier; });
     std::vector<NumberedCarve>& begin = carves_.front().message.carves;
     begin.insert(begin.end(), new_carves.begin(), later);
     new_carves.erase(new_carves.begin(), later);
@@ -97,6 +97,7 @@ void RecordingIndex::add_carves(const Carves& carves, double t_s) {
 void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
   const Message& message = datagram.message;
   const std::uint64_t sender = datagram.header.sender;
+  earlier_.add(message);
   const auto* setup = std::get_if<HapticsSetup>(&message);
   const bool is_of_haptics = setup != nullptr || std::holds_alternative<ForceCommand>(message);
   if (is_of_haptics && !is_haptics(sender)) haptics_senders_.push_back(sender);

@@ -13,6 +13,7 @@
 #include "link/messages.h"
 #include "link/session_reader.h"
 #include "recording/cycle_table.h"
+#include "recording/earlier_carves.h"
 #include "recording/shape_index.h"
 #include "recording/timed.h"
 
@@ -166,7 +167,8 @@ class RecordingIndex {
   std::map<std::int32_t, MessageId> last_poses_;  // by object
   std::map<std::int32_t, MessageId> last_moves_;  // likewise
   KnownCarves known_carves_;
-  std::uint32_t last_earlier_carve_ = 0;        // carves of the first haptics process up to this serial precede the recording
+  EarlierCarves earlier_;
+  bool is_first_carver_ = true;                 // the newest carves are of the first haptics process
   std::vector<std::uint64_t> haptics_senders_;  // sender numbers of the haptics nodes
 };
 

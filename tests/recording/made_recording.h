@@ -24,7 +24,8 @@ struct MadeRecording {
   std::string scene = "made.toml";
   std::uint64_t given_hash = 77;
   std::uint32_t scene_loading = 0;
-  bool is_carved_before = false;  // the carve was made before the recording, as a message at 0.05 s says
+  bool is_carved_before = false;  // the carve was made before the recording, as the forces say
+  bool announces_carve = true;    // if it was, a message at 0.05 s says so, too
   std::uint64_t lost_from = 0;    // the samples from this one to the one before lost_to are missing
   std::uint64_t lost_to = 0;
   bool has_replies = true;
@@ -99,6 +100,7 @@ struct MadeRecording {
     }
     force.view_revision = sample >= 1500 ? 4 : 0;
     force.scene_time_ns = static_cast<std::int64_t>(sample) * 1'000'000;
+    force.carve_serial = (is_carved_before || sample > 1600) && sample <= 3200 ? 1 : 0;
     receive(kHaptics, force, sample, sample % 4 == 0 ? slower_ns : 0);
   }
 
@@ -116,7 +118,7 @@ struct MadeRecording {
                   .source = 6, .serial = 1, .object = 2, .start_ns = 1'200'000'000, .end_ns = 1'700'000'000, .to_p_m = Vec3(0.0, 0.1, 0.0)},
               sample);
     }
-    if (sample == 50 && is_carved_before) receive(kHaptics, Carves{.source = 8, .newest = 1}, sample);
+    if (sample == 50 && is_carved_before && announces_carve) receive(kHaptics, Carves{.source = 8, .newest = 1}, sample);
     if (sample == 1600 || sample == 1700) receive(kHaptics, through_middle(8, 1), sample);
     if (sample == 3200) receive(kHaptics, Carves{.source = 9}, sample);
     if (sample == 2499) {

@@ -108,6 +108,22 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   EXPECT_EQ(value_of(carve_columns(), "radius_m", changes.carves()[5]), 1.0);
 }
 
+// The first message that comes may repeat carves from the first one on, because a vision node requested them.
+TEST(ObjectChanges, TheFirstForceTellsWhichCarvesAreEarlier) {
+  for (const bool is_force_first : {true, false}) {
+    ObjectChanges changes(kCyclesStartNs);
+    if (is_force_first) receive(changes, ForceCommand{.carve_serial = 2}, 0.1);
+    receive(changes, make_carves(7, 3, 1, 3), 0.2);
+    receive(changes, ForceCommand{.carve_serial = 4}, 0.3);
+    receive(changes, make_carves(7, 5, 4, 2), 0.4);
+    changes.finish();
+    ASSERT_EQ(changes.carves().size(), 5U);
+    for (const RecordedCarve& one : changes.carves()) {
+      EXPECT_EQ(std::isnan(one.t_s), one.serial <= (is_force_first ? 2U : 3U)) << is_force_first << ", " << one.serial;
+    }
+  }
+}
+
 // Whoever joins the tables by the number of the process finds what one process did.
 TEST(ObjectChanges, AProcessHasOneNumberInAllTables) {
   ObjectChanges changes(kCyclesStartNs);
@@ -194,6 +210,7 @@ TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
 // The hub began to record while the stylus carved: the first message already has carves, and the hub requests the earlier ones.
 TEST(ObjectChanges, CarvesBeforeTheFirstReceivedOneAreFromBeforeTheRecording) {
   ObjectChanges changes(kCyclesStartNs);
+  receive(changes, ForceCommand{.carve_serial = 3}, 0.1);
   receive(changes, make_carves(7, 6, 4, 2), 0.2);
   receive(changes, make_carves(7, 6, 6, 1), 0.25);
   receive(changes, make_carves(7, 6, 1, 3), 0.3);

@@ -92,6 +92,8 @@ TEST(RecordingIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
 TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginning) {
   const ScratchFolder scratch;
   MadeRecording recording;
+  recording.is_carved_before = true;
+  recording.announces_carve = false;
   recording.also = [&](std::uint64_t sample) {
     if (sample != 100 && sample != 200) return;
     Carves carves = MadeRecording::through_middle(8, sample == 100 ? 2 : 3);
