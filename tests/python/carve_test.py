@@ -110,7 +110,7 @@ class CarveTest(unittest.TestCase):
         system.io = system.start(system.io_log, "io_node", *device, "--record", recording)
         system.wait_for(system.io_log, r"^hub on ([0-9.:]+),")
         watcher = hapton.Client(system.hub)
-        self.assertTrue(wait_until(lambda: watcher.carves()["newest"] > 20), "the haptics node has joined again")
+        self.assertTrue(wait_for(lambda: watcher.carves()["newest"] > 20), "the haptics node has not joined again")
         watcher.close()
         system.record_for(4.0, recording)
         system.end_io()
