@@ -1,4 +1,5 @@
-// A device that moves along x at 0.1 m/s; its y and z are the force and torque last written. Parameters: does=nan|exception|fault|away|
+// A device that moves along x at 0.1 m/s, 0.5 m forth and back; its y and z are the force and torque last written. Parameters:
+// does=nan|exception|fault|away|
 // ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|write_exception; after=READS, until=READS:
 // the reads in which it does that; rests=1: x stays zero.
 #include <cmath>
@@ -56,7 +57,9 @@ int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
   Line& line = *static_cast<Line*>(device);
   const long number = line.reads++;
   const bool is_odd = number >= line.after && (line.until == 0 || number < line.until);
-  sample->position_m[0] = line.rests ? 0.0 : 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
+  const int64_t in_period_ns = now_ns % 10'000'000'000;
+  const int64_t way_ns = in_period_ns < 5'000'000'000 ? in_period_ns : 10'000'000'000 - in_period_ns;
+  sample->position_m[0] = line.rests ? 0.0 : 1e-10 * static_cast<double>(way_ns);
   sample->position_m[1] = line.force_n;
   sample->position_m[2] = line.torque_nm;
   sample->buttons = 5;
