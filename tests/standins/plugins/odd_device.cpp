@@ -1,7 +1,6 @@
 // A device that moves along x at 0.1 m/s, 0.5 m forth and back; its y and z are the force and torque last written. Parameters:
-// does=nan|exception|fault|away|
-// ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|write_exception; after=READS, until=READS:
-// the reads in which it does that; rests=1: x stays zero.
+// does=nan|exception|fault|away|ended|unknown|calibrating|released|q|nearly|reject|no_slew|no_box|strong|full|open_exception|
+// write_exception; after=READS, until=READS: the reads in which it does that; rests=1: x stays zero.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
