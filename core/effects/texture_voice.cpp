@@ -33,7 +33,8 @@ void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s,
   const auto ma = models.ma(blend);
   const double due = std::floor(since_newest_);
   since_newest_ -= due;
-  for (int n = 0; n < std::min(static_cast<int>(due), kMaxSamples); ++n) {
+  const int count = static_cast<int>(std::min(due, double{kMaxSamples}));
+  for (int n = 0; n < count; ++n) {
     const double noise = blend.deviation * white_noise(texture.seed, noise_count_++);
     const double shaped = noise + noises_.sum(ma);
     noises_.push(noise);

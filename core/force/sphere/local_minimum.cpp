@@ -13,7 +13,7 @@ namespace {
 constexpr double kShallow = 0x1p-30;  // a barrier of at most this height does not count: the contact offset of the reference
 
 // Returns the contact of a frame that a new contact replaces. The normal of the new one is a linear combination of the frame's. As its
-// multiplier grows, theirs change, and that of the replaced contact reaches zero first. `held`: from the device to the centre.
+// multiplier grows, theirs change, and that of the replaced contact reaches zero first. from_device: from the device to the centre.
 int find_replaced(const ContactFrame& frame, const Vec3& normal, const Vec3& from_device) noexcept {
   int replaced = frame.count - 1;
   double least = std::numeric_limits<double>::infinity();
