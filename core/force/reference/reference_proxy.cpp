@@ -18,7 +18,10 @@ constexpr int kIdleMotions = 8;               // a descent ends after this many 
 constexpr int kMaxMotions = 16000;            // most motions of one descent; Counters::unconverged counts the descents that need more
 constexpr int kMaxEscapes = 64;               // most escapes in one sub-step
 constexpr double kLocalHalfSide = 0x1p-7;     // half side of the cube whose faces are listed: a few hundred faces of a million
-constexpr std::size_t kMaxContacts = 256;     // one more replaces the oldest
+constexpr double kCloseReach = 0x1p-20;       // the close faces are this near to the surface of the probe: tens of thousands of creeps
+constexpr double kCreep = 0x1p-36;            // a motion that gets no farther creeps, as in a slit that closes
+constexpr int kCreepsToList = 4;           // creeps in succession after which the close faces are listed: a list costs as much as a motion
+constexpr std::size_t kMaxContacts = 256;  // one more replaces the oldest
 constexpr double kMaxLowering = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
@@ -56,6 +59,7 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   faces_.reserve(most_faces);
   boxes_.reserve(most_faces);
   local_faces_.reserve(most_faces);
+  close_faces_.reserve(most_faces);
   faces_at_vertex_.reserve(most_faces);
   contacts_before_.reserve(kMaxContacts);
   vertex_contacts_.reserve(kMaxContacts);
@@ -72,14 +76,14 @@ ReferenceProxy::State ReferenceProxy::make_state() const {
 }
 
 void ReferenceProxy::clear_faces() noexcept {
-  has_local_faces_ = has_vertex_ = false;
+  has_local_faces_ = has_close_faces_ = has_vertex_ = false;
   faces_.clear();
   boxes_.clear();
 }
 
 void ReferenceProxy::add_face(const Face& face) noexcept {
   const auto& [a, b, c] = face.shape.corner;
-  has_local_faces_ = has_vertex_ = false;
+  has_local_faces_ = has_close_faces_ = has_vertex_ = false;
   faces_.push_back(face);
   boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
 }
@@ -228,7 +232,7 @@ void ReferenceProxy::add_face_below() noexcept {
   const auto is_boundary = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
   if (rest_offset_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_boundary)) return;
   list_local_faces();
-  for (const std::uint32_t i : local_faces_) {
+  for (const std::uint32_t i : is_close(state_.position) ? close_faces_ : local_faces_) {
     const Box& box = boxes_[i];
     const double bound = rest_offset_ + kTolerance;
     if (((state_.position - box.high).cwiseMax(box.low - state_.position).array() > bound).any() || !can_touch(faces_[i])) continue;
@@ -342,6 +346,23 @@ bool ReferenceProxy::is_local(const Vec3& p, double bound) const noexcept {
   return has_local_faces_ && ((p - local_centre_).cwiseAbs().array() <= bound).all();
 }
 
+// Lists the local faces that are close to the probe, in the same order, if its last motions crept. The list is valid until the proxy is
+// half of kCloseReach away.
+void ReferenceProxy::list_close_faces() noexcept {
+  if (creeps_ < kCreepsToList || is_close(state_.position)) return;
+  close_faces_.clear();
+  close_centre_ = state_.position;
+  const double reach = rest_offset_ + kCloseReach;
+  for (const std::uint32_t i : local_faces_) {
+    const Box& box = boxes_[i];
+    if (((close_centre_ - box.high).cwiseMax(box.low - close_centre_).array() > reach).any()) continue;
+    if (closest_point(faces_[i].shape, close_centre_).distance <= reach) close_faces_.push_back(i);
+  }
+  has_close_faces_ = true;
+}
+
+bool ReferenceProxy::is_close(const Vec3& p) const noexcept { return has_close_faces_ && (p - close_centre_).norm() <= 0.5 * kCloseReach; }
+
 // The first of `count` faces on the path, and its time.
 template <class FaceAt>
 ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
@@ -367,14 +388,27 @@ ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::siz
   return first;
 }
 
-// Moves the proxy along the motion until it hits a triangle, which becomes a contact. True if it hits none. A hit before the motion leaves
-// the cube of listed faces is the first hit among all faces.
-bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+// The first face on the path. A hit before the motion leaves the surroundings whose faces are listed is the first hit among all faces.
+ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion) noexcept {
   list_local_faces();
-  FirstHit first = find_first(motion, local_faces_.size(), [&](std::size_t k) { return std::size_t{local_faces_[k]}; });
+  list_close_faces();
+  FirstHit first;
+  if (is_close(state_.position)) {
+    first = find_first(motion, close_faces_.size(), [&](std::size_t k) { return std::size_t{close_faces_[k]}; });
+    if (is_close(state_.position + first.until * motion)) return first;
+  }
+  first = find_first(motion, local_faces_.size(), [&](std::size_t k) { return std::size_t{local_faces_[k]}; });
   const double inner = local_half_side_ - (rest_offset_ + 2.0 * kTolerance);
-  if (!is_local(state_.position + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
-  state_.position += first.face == nullptr ? motion : Vec3(first.until * motion);
+  if (is_local(state_.position + first.until * motion, inner)) return first;
+  return find_first(motion, faces_.size(), [](std::size_t k) { return k; });
+}
+
+// Moves the proxy along the motion until it hits a triangle, which becomes a contact. True if it hits none.
+bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+  const FirstHit first = find_first(motion);
+  const Vec3 covered = first.face == nullptr ? motion : Vec3(first.until * motion);
+  state_.position += covered;
+  creeps_ = covered.norm() <= kCreep ? std::min(creeps_ + 1, kCreepsToList) : 0;
   if (first.face != nullptr) add_contact(*first.face);
   return first.face == nullptr;
 }

@@ -156,6 +156,9 @@ class ReferenceProxy {
 
   void list_local_faces() noexcept;
   bool is_local(const Vec3& p, double bound) const noexcept;
+  void list_close_faces() noexcept;
+  bool is_close(const Vec3& p) const noexcept;
+  FirstHit find_first(const Vec3& motion) noexcept;
   template <class FaceAt>
   FirstHit find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept;
   void drag(const Vec3& device_from, const Vec3& device_to) noexcept;
@@ -213,6 +216,10 @@ class ReferenceProxy {
   std::vector<std::uint32_t> local_faces_;  // indices into faces_ of those that reach into a cube around local_centre_, ascending
   Vec3 local_centre_ = Vec3::Zero();
   bool has_local_faces_ = false;
+  std::vector<std::uint32_t> close_faces_;  // those of local_faces_ that are close to the probe, around close_centre_
+  Vec3 close_centre_ = Vec3::Zero();
+  bool has_close_faces_ = false;
+  int creeps_ = 0;                              // motions in succession that covered hardly any distance
   std::vector<std::uint32_t> faces_at_vertex_;  // indices into faces_ of those at vertex_, ascending
   Vec3 vertex_ = Vec3::Zero();
   bool has_vertex_ = false;

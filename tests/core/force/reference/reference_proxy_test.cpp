@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/force/proxy/surface_follower.h"
@@ -208,6 +210,55 @@ TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
   EXPECT_GT(compared_descents, 900);
   EXPECT_GT(farthest, 0.05);
   EXPECT_EQ(proxy->counters().unconverged, 0U);
+}
+
+// Adds a floor and three walls on it beside p: two nearer than 2^-20, up to where a proxy that creeps lists faces, and one farther.
+constexpr std::uint32_t kFirstWall = 2;
+void add_floor_with_walls(ReferenceProxy& proxy, const Vec3& p) {
+  add_floor(proxy);
+  const auto add_wall = [&](const Vec3& middle, const Vec3& along) {
+    const PreparedTriangle shape(middle - 0.01 * along, middle + 0.01 * along, middle + Vec3(0, 0, 0.01));
+    proxy.add_face({shape, static_cast<std::uint32_t>(proxy.faces()), 0});
+  };
+  add_wall(p + Vec3(0, 0x1p-21, -0.001), Vec3::UnitX());
+  add_wall(p - Vec3(0x1.8p-21, 0, 0.001), Vec3::UnitY());
+  add_wall(p - Vec3(0, 0x1.8p-20, 0.001), Vec3::UnitX());
+}
+
+TEST(ReferenceProxy, OneThatCreptStopsAtTheSameFacesAsAFreshOne) {
+  constexpr unsigned kSeed = 20261201;
+  SCOPED_TRACE(kSeed);
+  const Vec3 start(0.1, 0.2, ReferenceProxy::kPointRadius);
+  const auto device_at = [&](const Vec3& moved) -> Vec3 { return start + moved - Vec3(0, 0, 0.001); };
+  ReferenceProxy crept(0.0, {Material{}}, 16);
+  add_floor_with_walls(crept, start);
+  crept.place_held(start, false);
+  Vec3 device = start;
+  for (int i = 0; i < 10; ++i) {
+    const Vec3 from = std::exchange(device, device_at(Vec3(i * 0x1p-40, 0, 0)));
+    crept.follow(from, device, {});
+  }
+  ReferenceProxy::State at_rest = crept.make_state();
+  crept.save(at_rest);
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> angle(0.0, 6.28);
+  std::uniform_real_distribution<double> exponent(-24.0, -17.0);
+  std::array<int, 3> stops{};
+  for (int i = 0; i < 300; ++i) {
+    const double direction = angle(random);
+    const Vec3 to = device_at(std::exp2(exponent(random)) * Vec3(std::cos(direction), std::sin(direction), 0));
+    ReferenceProxy fresh(0.0, {Material{}}, 16);
+    add_floor_with_walls(fresh, start);
+    fresh.restore(at_rest);
+    crept.restore(at_rest);
+    fresh.follow(device, to, {});
+    crept.follow(device, to, {});
+    EXPECT_EQ(crept.state().position, fresh.state().position) << i;
+    for (const auto& contact : fresh.state().contacts) {
+      if (contact.face.triangle >= kFirstWall) ++stops.at(contact.face.triangle - kFirstWall);
+    }
+  }
+  for (const int count : stops) EXPECT_GT(count, 20);
 }
 
 }  // namespace
