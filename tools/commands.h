@@ -25,7 +25,7 @@ void add_demo_command(CommandLine app, int& exit_code);
 // hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
 void add_doctor_command(CommandLine app, int& exit_code);
 
-// hapton dynamics --scene FILE: lets the stylus push objects that have a mass. Exit code 0: scene time ran.
+// hapton dynamics --scene FILE: lets the stylus push objects that have a mass. Exit code 0: the objects were simulated.
 void add_dynamics_command(CommandLine app, int& exit_code);
 
 // hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender as fast as possible.
@@ -107,7 +107,7 @@ void add_bench_effects_command(CommandLine bench, int& exit_code);
 // hapton bench sixdof: force, torque, gaps and run time of a rigid tool.
 void add_bench_sixdof_command(CommandLine bench, int& exit_code);
 
-// hapton bench haptons: how many triangle pairs, colliding on edge and located to 0.1 %, one core processes in a millisecond (memo 3.0).
+// hapton bench haptons: how many triangle pairs, colliding on edge and located to 0.1 %, one core processes in a millisecond (HP memo 3.0).
 // Exit code 0 only if every pair was located that accurately.
 void add_bench_haptons_command(CommandLine bench, int& exit_code);
 
@@ -132,7 +132,7 @@ void add_bench_sculpt_command(CommandLine bench, int& exit_code);
 
 // The subcommands of `hapton loop`.
 
-// hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.
+// hapton loop integrators --device D: run time against error of the integrator of `hapton loop` and of two usual ones.
 void add_loop_integrators_command(CommandLine loop, int& exit_code);
 
 // hapton loop merge PARTS --out FILE: joins the CSV files of all shards of a grid into one.

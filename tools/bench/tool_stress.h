@@ -43,7 +43,8 @@ struct ToolStressResult {
 
 // Six tools (ball, box, plate, wedge of 3 degrees, rod, bracket) are pressed on each body, slid, jittered and turned (up to 50 rad/s, plus
 // jitter), at each scale, with each friction, from the seed. Every fourth episode begins near the body's middle, mostly in an overlap. With
-// `moving` the moving body is checked at the pose at which the tool feels it. `progress` follows each body. Error: see ToolStep. RT: no.
+// `moving` the body is checked at the pose for which the tool's force was computed. `progress` follows each body. Error: see ToolStep.
+// RT: no.
 Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBody>& bodies, const ToolStressPlan& plan,
                                                       const std::function<void(const ToolStressResult&)>& progress);
 

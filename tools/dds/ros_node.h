@@ -25,7 +25,8 @@ struct PublishCounts {
   std::uint64_t failed = 0;   // messages that it did not take
 };
 
-// A participant of a DDS domain with the topics of docs/dds.md; it uses Cyclone DDS. RT: no. Threads: publish and counts from one thread,
+// A participant of a DDS domain with the topics of docs/dds.md, named as in CRTK: cf Cartesian force, cp pose, cv velocity. It uses Cyclone
+// DDS. RT: no. Threads: publish and counts from one thread,
 // take_forces from the same or one other.
 class RosNode {
  public:

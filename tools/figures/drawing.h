@@ -33,11 +33,12 @@ class Points {
     fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g}\n", 1e3 * p.x(), 1e3 * p.y());
     return *this;
   }
-  Points& add(const Vec3& from, const Vec3& motion) {  // for vectors
+  Points& add(const Vec3& from, const Vec3& motion) {  // for gnuplot's style `vectors`
     fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g} {:.6g} {:.6g}\n", 1e3 * from.x(), 1e3 * from.y(), 1e3 * motion.x(),
                    1e3 * motion.y());
     return *this;
   }
+  // Ends a line: the next point is not connected with the last.
   Points& gap() {
     text_ += "\n";
     return *this;
@@ -49,12 +50,14 @@ class Points {
   std::string text_;
 };
 
+// The outline as a closed line.
 inline Points outline_of(const Outline& outline) {
   Points points;
   for (const auto& p : outline) points.add({p.x(), p.y(), 0.0});
   return points.add({outline.front().x(), outline.front().y(), 0.0});
 }
 
+// The first lines of a script that writes NAME.png.part, of this size in pixels.
 inline std::string begin(std::string_view name, int width, int height) {
   return fmt::format(
       "set terminal pngcairo size {},{} font 'sans,13' background '#ffffff'\n"
@@ -71,13 +74,16 @@ inline TouchScene scene_of(TriangleMesh mesh) {
   return scene;
 }
 
+// A point in the plane of the cross-section.
 inline Vec3 at(double x_mm, double y_mm) { return {1e-3 * x_mm, 1e-3 * y_mm, kSlice}; }
 
+// The device point, m, and the output of the method there.
 struct Sample {
   Vec3 device;
   MethodOutput output;
 };
 
+// Runs a new method along the path, one step of 1 ms for each point.
 inline Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& path) {
   auto method = make_method(settings, scene);
   if (!method) return tl::unexpected(method.error());

@@ -39,9 +39,9 @@ struct GovernorWorst {
   double release_ms = 0.0;   // time from the last turn with an open gate to zero force, before the first stall
 };
 
-// Watches the inputs and outputs of one governor, and computes independently of it which outputs are
-// allowed. From the governor it takes only which commands it accepted, its fault, its limits and its
-// speed estimate. RT: no heap. Threads: one.
+// Watches the inputs and outputs of one governor, and computes independently of it which outputs are allowed. From the governor it takes
+// only which commands it accepted, its fault, its limits and its speed estimate. A turn is one cycle: a device sample and a force command.
+// RT: no heap. Threads: one.
 class GovernorEvaluator {
  public:
   GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept;

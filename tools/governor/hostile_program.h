@@ -47,7 +47,7 @@ struct HostileStep {
 // programs, because otherwise each would soon end in a latched fault. RT: no heap. Threads: one for each object.
 class HostileProgram {
  public:
-  static constexpr double kTurnRadPerS = 5.0;  // a physical device does not turn faster than this
+  static constexpr double kTurnRadPerS = 5.0;  // angular velocity that a physical device does not exceed; a free choice
 
   explicit HostileProgram(std::uint64_t seed) noexcept;
 
