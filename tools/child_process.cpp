@@ -91,9 +91,10 @@ std::optional<int> ChildProcess::wait(double seconds) {
 }
 
 void ChildProcess::kill() {
-  if (exit_code_ || pid_ <= 0) return;  // a moved-from object has the pid -1, and a signal to -1 goes to every process
+  if (exit_code_ || pid_ <= 0) return;     // a moved-from object has the pid -1, and a signal to -1 goes to every process
+  constexpr double kKilledTimeoutS = 5.0;  // a killed process ends at once, unless a system call holds it; a free choice
   ::kill(pid_, SIGKILL);
-  wait(5.0);
+  wait(kKilledTimeoutS);
 }
 
 int ChildProcess::stop(double seconds) {

@@ -35,7 +35,7 @@ doctor::HubReply read_hub_reply(const DoctorOptions& options) {
   return {{}, report->json};
 }
 
-// With another root, the libraries, display and hub of this machine are not asked.
+// With another root, the libraries, display and hub of this machine are not checked.
 doctor::Machine::Queries queries_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
   return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return read_hub_reply(options); }};

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr double kGnuplotTimeoutS = 60.0;  // the longest time for a plot; a free choice
-constexpr int kProgramNotFound = 127;      // what posix_spawnp's child exits with when there is no such program
+constexpr int kProgramNotFound = 127;      // exit code of a child of posix_spawnp, on some systems, if there is no such program
 
 }  // namespace
 

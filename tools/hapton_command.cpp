@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kBadCommandLine = 2;
+constexpr int kBadCommandLine = 2;      // exit code
 constexpr std::size_t kNameWidth = 14;  // width of the column of command names, in characters; wider than any name
 
 // The direct subcommands of a command, including old names, without the groups of flags, which CLI11 keeps in the same list.
@@ -37,7 +37,7 @@ std::string hint_command(const std::string& word, const std::vector<const CLI::A
 }
 
 // True if a word stands in the position of a command but names none; prints an error then, with a suggestion.
-bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
+bool reject_unknown(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* parent = &app;
   std::string so_far = app.get_name();
   for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
@@ -95,7 +95,7 @@ int run_hapton_command(int argc, const char* const* argv) {
     fmt::print("{}", app.help());
     return kBadCommandLine;
   }
-  if (refuse_unknown(app, argc, argv)) {
+  if (reject_unknown(app, argc, argv)) {
     return kBadCommandLine;
   }
   require_exact_numbers(app);

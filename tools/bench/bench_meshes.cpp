@@ -29,7 +29,9 @@ Result<BenchMesh> make_bumpy(const std::string& mesh_spec) {
   if (error != std::errc() || parsed_end != end || triangles < 20 || triangles > kMaxBumpyTriangles) {
     return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", mesh_spec, kMaxBumpyTriangles);
   }
-  TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtentM);
+  constexpr double kRelativeHeight = 0.25;  // height of the bumps relative to the radius; a free choice
+  constexpr std::uint64_t kSeed = 1;
+  TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, kRelativeHeight, triangles, kSeed), kExtentM);
   const std::size_t triangle_count = mesh.triangles.size();
   return BenchMesh{triangle_count >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(triangle_count))
                                                : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(triangle_count)),

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kDrawTimeoutS = 300.0;  // limit for drawing all frames; enough for software rendering on a slow machine
 
+// Returns the frames drawn in a second. line: set to the last line that vision_node printed.
 Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
   std::vector<std::string> arguments = {"--scene",      settings.scene.string(), "--stereo",
                                         "side_by_side", "--bench-frames",        fmt::format("{}", settings.frames)};

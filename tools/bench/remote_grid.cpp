@@ -127,6 +127,7 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
   const double round_trip_s = grid.round_trips_s.front();
   const double loss = grid.losses.front();
   SlidePlan plan = plan_of(grid, grid.seed, speed, round_trip_s);
+  // Shorter than in a measurement, so that a plot of the trace shows single periods.
   plan.slide_s = 2.0;
   plan.rest_s = 0.3;
   const auto path = make_slide_path(*scene->mesh, *scene->near, plan);

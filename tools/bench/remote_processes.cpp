@@ -62,9 +62,10 @@ class ProcessRun {
   Result<void> play(const RemoteProcessRow& row, const RemoteGrid& grid, double seconds) {
     const auto hub = find_free_address();
     if (!hub) return tl::unexpected(hub.error());
+    const double delay_ms = 0.5 * 1e3 * row.round_trip_s;  // each way
     auto relay = start_local_relay(folder_, *hub,
-                                   {"--seed", fmt::format("{}", row.seed), "--delay-ms", fmt::format("{}", 500.0 * row.round_trip_s),
-                                    "--loss", fmt::format("{}", row.loss), "--jitter-ms", fmt::format("{}", 1e3 * grid.jitter_s)});
+                                   {"--seed", fmt::format("{}", row.seed), "--delay-ms", fmt::format("{}", delay_ms), "--loss",
+                                    fmt::format("{}", row.loss), "--jitter-ms", fmt::format("{}", 1e3 * grid.jitter_s)});
     if (!relay) return tl::unexpected(relay.error());
     relay_.emplace(std::move(relay->node));
     if (auto started = start_haptics(relay->address, grid); !started) return started;

@@ -219,9 +219,10 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
 
 namespace {
 
-constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
+constexpr std::array kMethodColours = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
 constexpr double kMinDrawnPercent = 1e-4;  // a smaller value is drawn at this value, in %
 constexpr double kMinShownMs = 1.0;        // a round trip of 0 is drawn at this value, since the axis is logarithmic
+constexpr double kMinDrawnNPerM = 1.0;     // stands for no stiffness, for the same reason
 
 // One data block of gnuplot, with a line "round trip, value" for each round trip.
 template <class Value>
@@ -236,7 +237,7 @@ std::string panel_of(const RemoteGrid& grid, const std::string& title, const std
   std::string plot;
   for (std::size_t i = 0; i < grid.methods.size(); ++i) {
     plot += fmt::format("{}${}{} using 1:2 with linespoints linewidth 2 pointtype {} linecolor rgb '{}' title '{}'",
-                        i == 0 ? "plot " : ", ", prefix, i, 4 + i, kColors[i % kColors.size()], grid.methods[i]->name);
+                        i == 0 ? "plot " : ", ", prefix, i, 4 + i, kMethodColours[i % kMethodColours.size()], grid.methods[i]->name);
   }
   return fmt::format("set title '{}'\nset ylabel '{}'\n{}\n", title, y_label, plot);
 }
@@ -262,9 +263,9 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
     script += block_of(grid, fmt::format("w{}", i), [&](double round_trip_s) {
       for (const RemoteWall& wall : results.walls) {
         if (wall.method == grid.methods[i] && wall.round_trip_s == round_trip_s && wall.loss == loss)
-          return std::max(wall.rest_stiffness_n_per_m, 1.0);
+          return std::max(wall.rest_stiffness_n_per_m, kMinDrawnNPerM);
       }
-      return 1.0;
+      return kMinDrawnNPerM;
     });
   }
   script += panel_of(

@@ -18,7 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A variant gets long walks in addition: one if it has at least 10,000 steps, and one more for every further 40,000.
+// A variant gets walks of 20,000 steps in addition: one if it has at least 10,000 steps, and one more for every further 40,000, so that in
+// a long test about a third of all steps are in walks.
 constexpr std::uint64_t kStepsForFirstWalk = 10000;
 constexpr std::uint64_t kStepsPerFurtherWalk = 40000;
 

@@ -53,6 +53,7 @@ class ToolEpisodes {
     }
   }
 
+  // The lengths here are shares of the body's longest side; like the angles and shares of chance, they are free choices.
   void run(bool begins_inside, ToolStressCount& count) {
     Pose device = Pose::Identity();
     device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw_vector().normalized();
@@ -65,7 +66,7 @@ class ToolEpisodes {
     const Vec3 axis = draw_vector().normalized();
     Vec3 direction = -device.translation().normalized();
     count.overlaps += step_.step(input(device)).proxy.is_blocked ? 1 : 0;
-    // The way to the body, on which the tool touches nothing, is made in one step.
+    // One step takes the tool close to the body; it touches nothing on the way.
     if (!begins_inside) device.translation() *= 0.7;
     for (std::uint64_t n = 0; n < kEpisodeSteps; ++n) {
       if (n % 50 == 49) direction = (direction + 0.7 * draw_vector()).normalized();
@@ -75,6 +76,7 @@ class ToolEpisodes {
       move_body(speed, turn, jitter);
       evaluate(step_.step(input(device)), count);
     }
+    // Far away from the body, an overlap of the beginning must end.
     device.translation() = size_ * 3.0 * axis;
     step_.step(input(device));
     for (int n = 0; n < 50; ++n) {
@@ -90,7 +92,7 @@ class ToolEpisodes {
 
   ToolInput input(const Pose& device) const { return {.X_WD = device, .X_SO = {&X_SO_, step_.moving_count()}}; }
 
-  // The body strays around the place where it began, more slowly than the device.
+  // The body moves at random about the place where it began, more slowly than the device.
   void move_body(double speed, double turn, double jitter) {
     if (step_.moving_count() == 0) return;
     X_SO_.translation() += 0.5 * speed * (draw_vector() - X_SO_.translation() / (0.3 * size_));
@@ -98,7 +100,7 @@ class ToolEpisodes {
     X_SO_.linear() = Quat(X_SO_.linear()).normalized().toRotationMatrix();
   }
 
-  // The placement of the tool relative to the part, at the place where the tool feels the part.
+  // The placement of the tool relative to the part, with the part at the pose with which the tool's force was computed.
   Placement placement_relative_to(std::size_t part) const {
     const Placement& at = step_.proxy().placement();
     return part == 0 ? at : step_.proxy().part_placement(part - 1).inverse() * at;
@@ -125,7 +127,7 @@ class ToolEpisodes {
   ToolStep& step_;
   std::vector<std::unique_ptr<PenetrationCheck>> checks_;  // for the objects that stand still, then for each moving part
   Pose X_SO_ = Pose::Identity();                           // pose of the body, if it moves
-  double size_;
+  double size_;                                            // longest side of the body
   std::mt19937_64 random_;
 };
 

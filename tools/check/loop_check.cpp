@@ -27,6 +27,7 @@ std::string describe_loop(const NamedLoop& loop, double rate_hz, double delay_s)
   return fmt::format("{} at {:g} Hz with forces after {:.3g} ms", loop.title(), rate_hz, 1e3 * delay_s);
 }
 
+// Keeps the least value so far, and the loop that it belongs to.
 void keep_least(const NamedLoop& loop, double value, const NamedLoop*& by, double& least) {
   if (by != nullptr && value >= least) return;
   by = &loop;
@@ -104,8 +105,8 @@ double find_share_of_height(const SceneObject& object, double most_n_per_m, doub
   constexpr int kHalvings = 16;  // the height of bumps is found to 2^-16 of the given one
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
-    const Stiffest felt = stiffest_by_place_of(object.material, with_lower_bumps(object.effects, middle), pressed_n);
-    (felt.n_per_m > most_n_per_m ? high : low) = middle;
+    const Stiffest stiffest = stiffest_by_place_of(object.material, with_lower_bumps(object.effects, middle), pressed_n);
+    (stiffest.n_per_m > most_n_per_m ? high : low) = middle;
   }
   return low;
 }
@@ -145,9 +146,9 @@ CheckFindings check_stiffness(const SceneObject& object, const SafeGains& gains,
       compare_stiffness(object.name, spring_part(stiffest_spring_of(object.material, object.effects)), gains, rate_hz, delay_s);
   const auto is_limit_of_loop = [](const CheckFinding& found) { return found.fault == SceneFault::stiffer_than_loop; };
   if (std::any_of(findings.begin(), findings.end(), is_limit_of_loop)) return findings;
-  const Stiffest felt = stiffest_by_place_of(object.material, object.effects, gains.pressed_n);
-  if (gains.by_loop == nullptr || felt.n_per_m <= gains.safe_n_per_m) return findings;
-  const StiffPart part = part_by_place(object, felt.n_per_m, gains.pressed_n, gains.safe_n_per_m);
+  const Stiffest stiffest = stiffest_by_place_of(object.material, object.effects, gains.pressed_n);
+  if (gains.by_loop == nullptr || stiffest.n_per_m <= gains.safe_n_per_m) return findings;
+  const StiffPart part = part_by_place(object, stiffest.n_per_m, gains.pressed_n, gains.safe_n_per_m);
   findings.push_back(stiffer_than_loop(object.name, part, gains, rate_hz, delay_s));
   return findings;
 }

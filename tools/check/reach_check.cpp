@@ -137,6 +137,7 @@ std::string describe_share(double share) {
   return share > 1.0 - kMinShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lies", 100.0 * share);
 }
 
+// The mesh in frame S at that time. Frame M is that of the mesh as the scene file places it.
 TriangleMesh moved_mesh(const SceneObject& object, double time_s) {
   TriangleMesh moved = *object.mesh;
   const Pose X_SM = object.motion->pose_at(time_s);
@@ -227,12 +228,12 @@ CheckFindings check_well(const SceneEffect& effect, const GravityWellEffect& wel
   if (distance_m <= well.radius_m) return {};
   EffectSample sample;
   sample.p_SD = nearest;
-  const double felt_n = well.force(sample).norm();
-  if (felt_n >= device.model.friction_n) return {};
+  const double pull_n = well.force(sample).norm();
+  if (pull_n >= device.model.friction_n) return {};
   return {
       {SceneFault::out_of_reach, fmt::format("effect {}", effect.name), well.centre,
        fmt::format("lies {:.4g} mm outside the workspace of {} and pulls with {:.2g} N at most there, less than its friction ({:.3g} N)",
-                   1e3 * distance_m, device.name, felt_n, device.model.friction_n),
+                   1e3 * distance_m, device.name, pull_n, device.model.friction_n),
        "move it into the workspace, or raise its radius_m"}};
 }
 

@@ -9,8 +9,9 @@ namespace hapton {
 namespace {
 
 // A wall that lies between the nodes of the voxel grid, with none inside it, is lost.
-constexpr double kMinWallVoxels = 1.75;   // in voxels: just above the diagonal of one
-constexpr double kMinRadiusVoxels = 3.0;  // in voxels; a smaller ball is reported as coarse
+constexpr double kMinWallVoxels = 1.75;           // in voxels: just above the diagonal of one
+constexpr double kMinRadiusVoxels = 3.0;          // in voxels; a smaller ball leaves a rough surface
+constexpr double kRecommendedRadiusVoxels = 4.0;  // in voxels; above the minimum, so that the advice has a margin
 
 }  // namespace
 
@@ -30,7 +31,7 @@ CheckFindings check_sculpt(const SceneObject& object) {
                         fmt::format("the ball that carves has a radius of {:.3g} mm, {:.2g} voxels: what it leaves is rough",
                                     1e3 * object.sculpt->tool_radius_m, object.sculpt->tool_radius_m / voxel_m),
                         fmt::format("give voxel_mm = {:.2g} or less, or a larger tool_radius_mm",
-                                    rounded_down(1e3 * object.sculpt->tool_radius_m / 4.0))});
+                                    rounded_down(1e3 * object.sculpt->tool_radius_m / kRecommendedRadiusVoxels))});
   }
   return findings;
 }

@@ -13,7 +13,8 @@
 namespace hapton {
 namespace {
 
-// Places the object as Grasp does when the stylus picks it up at its place in the scene: while it overlaps another, it gives no force.
+// Places the object as haptics_node does when the stylus picks it up where the scene file places it. While it overlaps another object, it
+// gives no force.
 CheckFindings check_place(const TouchScene& scene, std::size_t object, const std::string& name) {
   ToolObstacles others = make_tool_obstacles(scene, object);
   if (others.meshes.empty()) return {};
@@ -28,7 +29,7 @@ CheckFindings check_place(const TouchScene& scene, std::size_t object, const std
            "move it away a little, or leave movable out"}};
 }
 
-// Says that a tool feels no more than this. In a scene without a tool, the same holds only for objects that are picked up.
+// The finding about a surface with effects that a tool does not render. Without a tool in the scene, only picked-up objects lack them.
 CheckFinding make_shape_alone_finding(const std::string& name, bool has_tool) {
   constexpr const char* kFelt = "feels only its shape, stiffness, friction, damping and viscosity, from both sides";
   return {SceneFault::shape_alone, name, std::nullopt,

@@ -15,12 +15,13 @@ namespace {
 
 // Above ordinary programs, so that a sample is published before the next one comes, and below all nodes (80), which must never be delayed.
 constexpr int kPublisherPriority = 10;
-constexpr double kBridgeJoinTimeoutS = 5.0;
+constexpr double kBridgeJoinTimeoutS = 5.0;  // how long to wait for the hub; a free choice
+// The longest wait for a datagram, and so the longest time until a stop is noticed; a free choice.
 constexpr std::int64_t kBridgeMaxWaitNs = 20 * kNanosecondsPerMillisecond;
 // The time after which the measured rate of the hub is reliable.
 constexpr std::int64_t kRateSettleNs = 3 * kNanosecondsPerSecond;
-constexpr double kMaxSkippedShare = 0.1;
-constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
+constexpr double kMaxSkippedShare = 0.1;                          // share of the samples; advice is given above it; a free choice
+constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;  // a free choice
 
 // The time of day minus the time of the clock. Both are read again if this thread was held up between the two readings.
 std::int64_t day_offset_ns(const Clock& clock) {
@@ -38,7 +39,8 @@ std::int64_t day_offset_ns(const Clock& clock) {
   return offset_ns;
 }
 
-std::string why_dropped(ServoForce::Verdict verdict, const BridgeSettings& settings) {
+// The line that warns of this verdict.
+std::string warning_of(ServoForce::Verdict verdict, const BridgeSettings& settings) {
   switch (verdict) {
     case ServoForce::Verdict::reduced:
       return fmt::format(
@@ -99,15 +101,15 @@ class RateAdvice {
   bool is_done_ = false;
 };
 
-// Says what was dropped, at most once per kWarnEveryNs.
-class DropWarnings {
+// Says what was dropped or scaled down, at most once per kWarnEveryNs.
+class ForceWarnings {
  public:
   std::string make_if_due(ForceReplier* replier, const BridgeSettings& settings, std::int64_t now_ns) {
     if (replier == nullptr || now_ns < next_ns_) return {};
     const auto warning = replier->take_warning();
     if (!warning) return {};
     next_ns_ = now_ns + kWarnEveryNs;
-    return why_dropped(*warning, settings);
+    return warning_of(*warning, settings);
   }
 
  private:
@@ -168,7 +170,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
       settings.seconds > 0.0 ? start_ns + static_cast<std::int64_t>(1e9 * settings.seconds) : std::numeric_limits<std::int64_t>::max();
   SampleMaker maker(is_loopback(*address));
   RateAdvice advice(start_ns);
-  DropWarnings warnings;
+  ForceWarnings warnings;
   const auto print_if_any = [&](const std::string& text) {
     if (!text.empty()) print_line(text);
   };

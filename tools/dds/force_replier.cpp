@@ -81,6 +81,7 @@ void ForceReplier::reply(const DeviceState& state, std::uint32_t states) {
   const std::int64_t now_ns = connection_->clock().now_ns();
   command_.force_n = force_.force_n(now_ns);
   command_.torque_nm = force_.torque_nm(now_ns);
+  // Bit i of replied_before is for the sample i + 1 before this one: the bits shift by the samples since the last reply, whose bit is set.
   const std::uint64_t samples_since_reply = state.sample - command_.echo_sample;
   command_.replied_before = replies_ == 0 || samples_since_reply - 1 >= 63
                                 ? 0

@@ -29,7 +29,7 @@ using Joy = sensor_msgs_msg_dds__Joy_;
 
 constexpr std::size_t kButtons = 32;               // bits of ProbeState::buttons
 constexpr std::int64_t kJoyEveryNs = 100'000'000;  // period without a change, for programs that join later
-constexpr std::size_t kMaxForces = 16;             // most forces taken at a time
+constexpr std::size_t kMaxForces = 16;             // most forces taken at a time; only the newest takes effect, so older ones may be lost
 constexpr int kSensorDepth = 5;                    // queue depth of rmw_qos_profile_sensor_data
 constexpr int kReliableDepth = 10;                 // queue depth of ROS 2's default profile
 constexpr int kTransformDepth = 100;               // queue depth of tf2's broadcaster

@@ -17,6 +17,7 @@ constexpr double kApproachS = 0.8;  // duration of the motion to the surface; du
 constexpr double kRowS = 0.01;      // time between two rows of a path
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
+// Appends a position, after_s after the last row.
 void add(DemoPath& path, double after_s, const Vec3& p_WD) {
   path.push_back({path.empty() ? 0.0 : path.back().t_s + after_s, p_WD, Quat::Identity()});
 }
@@ -41,20 +42,21 @@ std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
 }
 
 Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
-  constexpr double kCircleM = 0.004;  // radius of the slow circle on the surface
-  constexpr double kCircleS = 3.0;    // duration of one circle
+  constexpr double kCircleM = 0.004;          // radius of the slow circle on the surface
+  constexpr double kCircleS = 3.0;            // duration of one circle
+  constexpr double kFrontRowS = 5.0 * kRowS;  // longer than in other paths, since each row needs a search of the whole mesh
   const auto middle = find_front(scene, x_m, y_m);
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
   DemoPath path;
   add(path, 0.0, *middle + Vec3(0.0, 0.0, kAheadM));
   add(path, kApproachS, *middle - Vec3(0.0, 0.0, kPressM));
-  for (double t = 0.0; t < hold_s; t += 5.0 * kRowS) {
+  for (double t = 0.0; t < hold_s; t += kFrontRowS) {
     const double turn = kTwoPi * t / kCircleS;
     const double radius = kCircleM * std::min(1.0, t);
     const auto front = find_front(scene, x_m + radius * std::sin(turn), y_m + radius * (1.0 - std::cos(turn)));
     // Where the scene has no surface, beyond an edge, the hand stays at its last position.
     const Vec3 next = front ? Vec3(*front - Vec3(0.0, 0.0, kPressM)) : path.back().p_WD;
-    add(path, 5.0 * kRowS, next);
+    add(path, kFrontRowS, next);
   }
   add(path, 0.5 * kApproachS, *middle + Vec3(0.0, 0.0, kAheadM));
   return path;
@@ -99,9 +101,10 @@ DemoPath make_arc_path(double radius_m) {
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));
   add(path, kApproachS, Vec3(0.0, 0.0, inside_m));
   for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
-    const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTwoPi * t / kArcS);
-    const double pitch = 0.3 * std::sin(2.0 * kTwoPi * t / kArcS);
-    add(path, kRowS, inside_m * Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)));
+    const double yaw_rad = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTwoPi * t / kArcS);
+    const double pitch_rad = 0.3 * std::sin(2.0 * kTwoPi * t / kArcS);
+    add(path, kRowS,
+        inside_m * Vec3(std::sin(yaw_rad) * std::cos(pitch_rad), std::sin(pitch_rad), std::cos(yaw_rad) * std::cos(pitch_rad)));
   }
   add(path, 0.5 * kApproachS, Vec3(0.0, 0.0, radius_m + kAheadM));
   return path;

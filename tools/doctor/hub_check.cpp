@@ -9,7 +9,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kHotShare = 0.8;  // share of the temperature limit of the motors
+constexpr double kHotShare = 0.8;  // share of the motors' temperature limit that is worth a warning; a free choice
 
 std::string text_of(const nlohmann::json& notes, const char* key) {
   const auto found = notes.find(key);

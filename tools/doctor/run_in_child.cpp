@@ -38,6 +38,7 @@ std::string read_all(int file) {
   return text;
 }
 
+// The child: runs the task without input and output, and writes its result to the file.
 [[noreturn]] void reply(const std::function<std::string()>& task, int file) {
   const int null_device = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(null_device, standard);

@@ -54,7 +54,7 @@ std::vector<Token> read_tokens(std::string_view line) {
   std::vector<Token> tokens;
   while (true) {
     line.remove_prefix(std::min(line.find_first_not_of(" \t,"), line.size()));
-    // A key may have such letters in braces: ATTRS{foo-bar}.
+    // A key may have the characters of an operator in braces: ATTRS{foo-bar}.
     const std::size_t brace = line.find('{');
     const std::size_t first = line.find_first_of(kOps);
     const std::size_t op = brace < first ? line.find_first_of(kOps, line.find('}', brace)) : first;
@@ -141,6 +141,7 @@ class RuleEvaluation {
     if (token.key.ends_with("{idVendor}")) return has_id(pattern, device_.vid);
     if (token.key.ends_with("{idProduct}")) return has_id(pattern, device_.pid);
     if (token.key == "ATTRS{serial}") return matches(pattern, device_.serial);
+    // The program of 70-hapton.rules searches the report descriptor for \x06\x48\xff, the usage page of Hapton HID.
     if (token.key == "PROGRAM") return device_.device_option == "hapton-hid" && pattern.find("x48") != pattern.npos;
     if (token.key.starts_with("ENV{")) {
       const auto property = env_.find(token.key.substr(4, token.key.size() - 5));

@@ -20,10 +20,11 @@ constexpr std::int64_t kMaxGapNs = 100 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
 // The pose of a body is requested again once one of its points has moved by more than this: a tenth of an encoder step of a stylus.
 constexpr double kMinTravelM = 2e-6;
-// The delay before the first measurement, and the largest one that is used for the damping.
+// The delay before the first measurement, and the largest one that is used for the damping, which would otherwise all but stop the bodies.
+// Free choices.
 constexpr double kFirstDelayS = 0.02;
 constexpr double kLongestDelayS = 0.2;
-// The delay is the largest one measured; it decreases by this share with each reply.
+// The delay is the largest one measured; it decreases by this share with each reply: at 200 replies a second by 63 % in a second.
 constexpr double kDelayDecayShare = 0.005;
 
 }  // namespace

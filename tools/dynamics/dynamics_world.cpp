@@ -43,14 +43,14 @@ std::span<const int> DynamicsWorld::fallen() const noexcept { return {}; }
 
 #else
 
-// One object of the scene.
+// One object of the scene. Frames: S scene, B body (see BodyFrame), O the object as the scene file places it.
 struct Member {
   std::unique_ptr<btTriangleMesh> triangles;               // set only for an obstacle
   std::unique_ptr<btTriangleInfoMap> edges;                // set only for an obstacle
   std::vector<std::unique_ptr<btConvexHullShape>> pieces;  // set only for a body that is not convex
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
-  Pose X_SB = Pose::Identity();  // pose of the body's frame B where the scene file places it; see BodyFrame
+  Pose X_SB = Pose::Identity();  // where the scene file places it
   bool has_mass = false;
   Vec3 pivot_S = Vec3::Zero();
   double radius_m = 0.0;  // of a body: no point of it is farther from the pivot than this
@@ -68,8 +68,8 @@ constexpr double kMarginM = 5e-5;
 // Iterations of the contact solver: with Bullet's default of 10, stacks of a few bodies creep.
 constexpr int kSolverIterations = 30;
 // Bodies that are slower than this for two seconds (Bullet's gDeactivationTime) come to rest.
-constexpr double kSleepM_per_s = 1e-3;
-constexpr double kSleepRad_per_s = 0.05;
+constexpr double kSleepMPerS = 1e-3;
+constexpr double kSleepRadPerS = 0.05;
 // A body farther than this from the centre of the scene, in diagonals of the scene, has fallen out of it.
 constexpr double kFallenDiagonals = 2.0;
 
@@ -192,7 +192,7 @@ Result<Member> make_body(const SceneObject& object) {
   const btVector3 inertia = to_bullet(object.mass_kg * kUnitsPerM * kUnitsPerM * frame.inertia_per_mass);
   member.body = std::make_unique<btRigidBody>(btScalar(object.mass_kg), nullptr, member.shape.get(), inertia);
   member.body->setWorldTransform(to_bullet(member.X_SB));
-  member.body->setSleepingThresholds(btScalar(kSleepM_per_s * kUnitsPerM), btScalar(kSleepRad_per_s));
+  member.body->setSleepingThresholds(btScalar(kSleepMPerS * kUnitsPerM), btScalar(kSleepRadPerS));
   return member;
 }
 
@@ -218,9 +218,9 @@ struct DynamicsWorld::Parts {
     members.push_back(std::move(member));
   }
 
-  // Applies the linear and angular impulse J of one step at the contact point. K is the change of the body's velocity at that point by a
+  // Applies the linear and angular impulse J of one step dt at the contact point. K is the change of the body's velocity at that point by a
   // unit of impulse. The velocity v' after the step follows implicitly from push F and damping B together: v' = v + K J and
-  // J = F dt - B dt v'. This is stable for any mass and damping.
+  // J = F dt - B dt v', so v' = (1 + K B dt)^-1 (v + K F dt). The implicit step is stable for any mass and damping.
   void apply_push() {
     btRigidBody& body = *at(push->object).body;
     body.activate(true);
@@ -238,10 +238,11 @@ struct DynamicsWorld::Parts {
     velocity << from_bullet(body.getVelocityInLocalPoint(to_units(arm))) / kUnitsPerM, from_bullet(body.getAngularVelocity());
     Vec6 push_impulse;
     push_impulse << kStepS * push->force_n, kStepS * push->torque_nm;
-    Vec6 impulse_per_speed;
+    Vec6 impulse_per_speed;  // the diagonal of B dt
     impulse_per_speed << Vec3::Constant(kStepS * push->damping_ns_per_m), Vec3::Constant(kStepS * push->damping_nms_per_rad);
     const Mat6 implicit_matrix = Mat6::Identity() + K * impulse_per_speed.asDiagonal();
-    const Vec6 impulse = push_impulse - impulse_per_speed.asDiagonal() * implicit_matrix.partialPivLu().solve(velocity + K * push_impulse);
+    const Vec6 velocity_after = implicit_matrix.partialPivLu().solve(velocity + K * push_impulse);
+    const Vec6 impulse = push_impulse - impulse_per_speed.asDiagonal() * velocity_after;
     body.applyImpulse(to_units(impulse.head<3>()), to_units(arm));
     body.applyTorqueImpulse(kUnitsPerM * to_units(impulse.tail<3>()));
   }
@@ -249,8 +250,8 @@ struct DynamicsWorld::Parts {
   // Limits the speed as compute_move_time_s defines it: that of the pivot plus that of the farthest point about the pivot.
   static void limit_speed(Member& member) {
     btRigidBody& body = *member.body;
-    const Vec3 p_SP = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);
-    const btVector3 velocity = body.getVelocityInLocalPoint(to_units(p_SP));
+    const Vec3 arm = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);  // centre of mass to pivot
+    const btVector3 velocity = body.getVelocityInLocalPoint(to_units(arm));
     const double speed = velocity.length() / kUnitsPerM + body.getAngularVelocity().length() * member.radius_m;
     if (speed <= kMaxSurfaceSpeed) return;
     const btScalar share = btScalar(kMaxSurfaceSpeed / speed);

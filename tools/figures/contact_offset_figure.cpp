@@ -11,7 +11,8 @@
 namespace hapton::figures {
 namespace {
 
-// A triangle of the wall that an edge of the cross-section becomes when it is extended along z. The unit is one contact offset.
+// A triangle of the wall that an edge of the cross-section becomes when it is extended along z. The unit of all lengths in this file is one
+// contact offset; it is drawn as a millimetre.
 struct Wall {
   Vec3 a, b, c;
   Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
@@ -23,7 +24,7 @@ std::vector<Wall> walls_along(const std::vector<std::vector<Eigen::Vector2d>>& p
     for (std::size_t i = 0; i + 1 < polyline.size(); ++i) {
       const Vec3 p(polyline[i].x(), polyline[i].y(), 0.0);
       const Vec3 q(polyline[i + 1].x(), polyline[i + 1].y(), 0.0);
-      const Vec3 deep(0.0, 0.0, 40.0);
+      const Vec3 deep(0.0, 0.0, 40.0);  // half the height of the wall, far more than the figure shows
       walls.push_back({p - deep, q - deep, q + deep});
       walls.push_back({p - deep, q + deep, p + deep});
     }
@@ -31,7 +32,7 @@ std::vector<Wall> walls_along(const std::vector<std::vector<Eigen::Vector2d>>& p
   return walls;
 }
 
-// The share of a motion to the right that a proxy can make that starts one contact offset above the ground; 1: the whole motion.
+// The share of the motion that a proxy can make from a point one contact offset above the surface until it is stopped; 1: all of it.
 double find_free_share(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.offset = 1.0, .slop = 0.5, .tolerance = 0x1p-10};
   double free_share = 1.0;

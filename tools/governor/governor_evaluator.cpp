@@ -9,13 +9,14 @@ namespace hapton {
 namespace {
 
 // The bounds that docs/safety.md promises. They are written here again, because the check must not use the governor's own values.
-constexpr std::int64_t kPeerTimeoutNs = 20'000'000;
-constexpr std::int64_t kRampInNs = 100'000'000;
-constexpr std::int64_t kGapNs = 100'000'000;
-constexpr std::int64_t kSpeedWindowNs = 20'000'000;
-constexpr double kJumpM = 0.005;
-constexpr double kWorkspaceMarginM = 0.010;
-// The energy budget divided by max_force: lengths in metres, and for kForgivenMPerS metres per second.
+constexpr std::int64_t kAgeLimitNs = 20'000'000;     // of a command (command timeout) and of a pose (pose timeout)
+constexpr std::int64_t kRampUpNs = 100'000'000;      // from the opening of the gate to the full force
+constexpr std::int64_t kGapNs = 100'000'000;         // between two poses; after a longer gap no motion is a jump
+constexpr std::int64_t kSpeedWindowNs = 20'000'000;  // over which the speed is measured
+constexpr double kJumpM = 0.005;                     // farther than max_speed allows, and the motion is a jump
+constexpr double kWorkspaceMarginM = 0.010;          // before each face of the workspace, in which the outward force falls to zero
+// The energy budget divided by max_force, in m: from the first value on the force is reduced, from the second on it is zero, and above the
+// third the count does not rise. The last value, in m/s, is deducted from the count all the time.
 constexpr double kFreeEnergyM = 0.010, kMaxEnergyM = 0.030, kSaturationEnergyM = 0.036, kForgivenMPerS = 0.002;
 
 // The limit plus an allowance for rounding, relative and absolute.
@@ -48,7 +49,8 @@ GovernorEvaluator::GovernorEvaluator(const HostileProgram& program, const Safety
   if (device.peak_s > 0.0 && ratio < 1.0) time_constant_s_ = -device.peak_s / std::log(1.0 - ratio * ratio);
 }
 
-// Advances the time as the governor does: clamped, never back. The wrench out_ heated the motors and moved the device meanwhile.
+// Advances the time as the governor does: clamped, never back. The wrench out_ heated the motors and moved the device meanwhile. Returns
+// the time that has passed, s.
 double GovernorEvaluator::advance_to(std::int64_t time_ns) noexcept {
   const std::int64_t to_ns = std::clamp(time_ns, std::int64_t{0}, std::int64_t{1} << 62);
   if (!has_begun_) now_ns_ = out_ns_ = to_ns;
@@ -75,7 +77,7 @@ void GovernorEvaluator::observe(const HostileStep& step) noexcept {
   } else if (is_pose(step.sample)) {
     observe_motion(step.sample);
   }
-  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;
+  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kAgeLimitNs;
 }
 
 void GovernorEvaluator::observe_motion(const DeviceSample& sample) noexcept {
@@ -117,7 +119,7 @@ void GovernorEvaluator::observe_motion(const DeviceSample& sample) noexcept {
 void GovernorEvaluator::receive(const HostileStep& step) noexcept {
   const bool is_accepted = governor_.counters().accepted != accepted_;
   accepted_ = governor_.counters().accepted;
-  if (is_live_ && now_ns_ - accepted_ns_ >= kPeerTimeoutNs) is_live_ = was_open_ = false;
+  if (is_live_ && now_ns_ - accepted_ns_ >= kAgeLimitNs) is_live_ = was_open_ = false;
   if (step.command && !is_finite(step.command->wrench)) is_live_ = false;
   if (!is_accepted) return;
   is_live_ = true;
@@ -127,7 +129,7 @@ void GovernorEvaluator::receive(const HostileStep& step) noexcept {
 void GovernorEvaluator::evaluate(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
   observe(step);
   advance_to(step.now_ns);
-  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;
+  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kAgeLimitNs;
   const double passed_s = 1e-9 * static_cast<double>(now_ns_ - out_ns_);
   receive(step);
   breach_if(GovernorBreach::not_finite, !is_finite(out));
@@ -160,7 +162,7 @@ void GovernorEvaluator::check_size(const Wrench& out, double passed_s) noexcept 
 void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept {
   const DeviceLimits& device = governor_.device_limits();
   const DeviceLimits& limits = governor_.limits();
-  // Only a change that does not increase the size may be faster than the tightened slew; no change may be faster than release.
+  // slew: the tightened limit. release: that of the device. Only a change that does not increase the force may be faster than `slew`.
   const auto is_too_fast = [passed_s](const Vec3& from, const Vec3& to, double slew, double release) {
     const double change = size_of(to - from);
     return change > with_tolerance(release * passed_s) ||
@@ -177,7 +179,7 @@ void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept 
 }
 
 void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
-  const bool has_timed_out = accepted_ == 0 || now_ns_ - accepted_ns_ >= kPeerTimeoutNs;
+  const bool has_timed_out = accepted_ == 0 || now_ns_ - accepted_ns_ >= kAgeLimitNs;
   breach_if(GovernorBreach::command_timeout, has_timed_out && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
 
@@ -196,6 +198,7 @@ void GovernorEvaluator::check_budgets(const Wrench& out, double passed_s) noexce
     const double max_n2 = limits.max_force_n * limits.max_force_n;
     const double allowed_n2 =
         load <= 0.8 || continuous_n2 >= max_n2 ? max_n2 : continuous_n2 + (max_n2 - continuous_n2) * std::max(0.0, (1.0 - load) / 0.2);
+    // A wider tolerance than elsewhere, because the evaluator integrates the heat in other steps than the governor.
     breach_if(GovernorBreach::heat, force > std::max(std::sqrt(allowed_n2) * (1.0 + 1e-6), with_tolerance(released_n)));
     if (!has_stalled_ && is_physical_) {
       worst_.heat = std::max(worst_.heat, load);
@@ -276,7 +279,7 @@ void GovernorEvaluator::check_gate(const HostileStep& step, const Wrench& out, d
     open_ns_ = now_ns_;
     const double most_n = governor_.limits().max_force_n;
     const bool may_damp = spent_j_ > kFreeEnergyM * most_n || governor_.speed_m_per_s() >= 0.6 * governor_.limits().max_speed_m_per_s;
-    const double ramp = std::min(1.0, static_cast<double>(now_ns_ - opened_ns_) / static_cast<double>(kRampInNs));
+    const double ramp = std::min(1.0, static_cast<double>(now_ns_ - opened_ns_) / static_cast<double>(kRampUpNs));
     breach_if(GovernorBreach::ramp, !may_damp && force > with_tolerance(std::max(ramp * most_n, before)));
   } else {
     const double released_n = std::max(0.0, before - device.max_slew_n_per_s * passed_s);

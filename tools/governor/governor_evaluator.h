@@ -53,6 +53,7 @@ class GovernorEvaluator {
   const GovernorWorst& worst() const noexcept { return worst_; }
 
  private:
+  // One of the six faces of the workspace.
   struct Side {
     std::int64_t shut_ns = -1;  // since when no outward force is allowed; below 0: outward force is allowed
   };
@@ -89,21 +90,21 @@ class GovernorEvaluator {
   Wrench out_;               // the last output, which is on the motors
   std::uint64_t accepted_ = 0;
   std::int64_t accepted_ns_ = 0;  // time of the sample of the last accepted command
-  bool is_live_ = false;
-  double time_constant_s_ = 0.0;
-  double heat_n2_ = 0.0;
-  bool has_stalled_ = false;
+  bool is_live_ = false;          // an accepted command takes effect
+  double time_constant_s_ = 0.0;  // of the motors' heat; 0: the device states no continuous force
+  double heat_n2_ = 0.0;          // running mean of the squared force
+  bool has_stalled_ = false;      // more than 20 ms have passed between two turns
 
   bool has_pose_ = false;
   std::int64_t pose_ns_ = 0;
   Vec3 p_m_ = Vec3::Zero();
   Quat q_ = Quat::Identity();
-  bool is_current_ = false;
-  Vec3 impulse_n_s_ = Vec3::Zero();
-  Vec3 turn_impulse_nm_s_ = Vec3::Zero();
-  double impulse_s_ = 0.0;
-  double spent_j_ = 0.0;
-  double given_j_ = 0.0;  // like spent_j_, but not limited from above
+  bool is_current_ = false;                // the pose is not older than the pose timeout
+  Vec3 impulse_n_s_ = Vec3::Zero();        // of the force since the last pose
+  Vec3 turn_impulse_nm_s_ = Vec3::Zero();  // of the torque since then
+  double impulse_s_ = 0.0;                 // the time since then
+  double spent_j_ = 0.0;                   // count of the energy budget: energy given to the hand
+  double given_j_ = 0.0;                   // like spent_j_, but not limited from above
   bool has_jumped_ = false;
   std::int64_t anchor_ns_ = -1;  // start of the 20 ms over which the speed is measured; below 0: none
   Vec3 anchor_m_ = Vec3::Zero();

@@ -13,13 +13,15 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kExtremeValues[] = {
     kNan,    kInf, -kInf,  1e300, -1e300, std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest(), 5e-324,
     -5e-324, 1e9,  -1e154, 0.0,   -0.0};
-constexpr double kMassKg = 0.15;  // of device and hand; this and the next two values are within the ranges of a stylus grip (docs/loop.md)
+// Mass of device and hand, stiffness and damping of the hand: within the ranges of a stylus grip (docs/loop.md).
+constexpr double kMassKg = 0.15;
 constexpr double kHandNPerM = 300.0;
 constexpr double kHandNSPerM = 4.0;
 constexpr std::int64_t kHourNs = 3'600'000'000'000;  // how far the program's clock jumps back or ahead
 
 }  // namespace
 
+// The shares of chance and the ranges in this file are free choices; a change changes every program.
 HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   is_physical_ = random_.once_in(4);
   choose_device();

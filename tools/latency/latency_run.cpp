@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kGraceSeconds = 15.0;        // extra time for the hub to write its report
 constexpr double kLongestTimerSeconds = 5.0;  // of each run of the bare timer, before and after the nodes; a free choice
-constexpr double kTrialSeconds = 0.75;        // of a short run on each choice of CPUs
+constexpr double kTrialSeconds = 0.75;        // of a short run on each choice of CPUs; a free choice
 constexpr double kIdleSeconds = 0.1;          // until an interrupt is noticed; a free choice
 constexpr double kMaxSilenceSeconds = 2.0;    // a hub that is silent for longer is gone, not only slow; a free choice
 

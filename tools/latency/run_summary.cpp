@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMinServoRateShare = 0.99;  // share of the requested servo rate
+constexpr double kMinServoRateShare = 0.99;  // share of the requested servo rate; this and the next value are free choices
 constexpr double kMaxLateShare = 0.01;       // share of the forces
 
 std::string note(const Json& report, const char* key) {

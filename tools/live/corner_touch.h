@@ -13,11 +13,13 @@ namespace hapton {
 class CornerTouch {
  public:
   // Without a press the tip must stay within kHoldStillM of its mean for kHoldS. A hand in the air drifts farther, one on a screen less.
+  // All values are free choices.
   static constexpr double kHoldS = 1.0;
   static constexpr double kHoldStillM = 0.0005;
   // After a press, the mean is over kPressS, by which time the motion due to the press has ended.
   static constexpr double kPressS = 0.3;
   static constexpr double kPressStillM = 0.001;
+  // The way from the last touched point before a touch without a press; screens are larger.
   static constexpr double kMinTravelM = 0.02;
 
   enum class Event : std::uint8_t {
@@ -48,7 +50,7 @@ class CornerTouch {
   std::int64_t last_sample_ns_ = 0;
   std::uint32_t last_buttons_ = 0;
   std::int64_t press_ns_ = 0;  // 0: not pressed
-  Vec3 p_WB_ = Vec3::Zero();   // the position from which the tip must move away
+  Vec3 p_WB_ = Vec3::Zero();   // the point B from which the tip must move away
   bool has_moved_away_ = false;
   Vec3 p_W_ = Vec3::Zero();
   double moved_m_ = 0.0;

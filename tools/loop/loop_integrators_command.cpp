@@ -100,7 +100,7 @@ Result<void> run(const IntegratorOptions& options) {
 void add_loop_integrators_command(CommandLine loop, int& exit_code) {
   auto options = std::make_shared<IntegratorOptions>();
   const CommandLine command =
-      loop.add_subcommand("integrators", "Run time against error of the laboratory's integrator and of two usual ones");
+      loop.add_subcommand("integrators", "Run time against error of this command's integrator and of two usual ones");
   add_loop_flags(command, options->loop, false);
   command.add_option("--stiffness", options->stiffness_n_per_m, "Stiffness of the wall, N/m")
       .positive("N/m")

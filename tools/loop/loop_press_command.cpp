@@ -40,6 +40,7 @@ struct PressOptions {
 };
 
 constexpr double kImpedanceHz[] = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0};
+constexpr int kImpedancePeriods = 40;  // of each frequency; more average more jitter and loss, and take longer
 
 // The force law, the settings of everything between it and the motors, and the servo period.
 struct PressSetup {
@@ -99,7 +100,7 @@ nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nloh
 
 // How long it takes until forces arrive, whichever datagrams are lost.
 std::int64_t find_settle_ns(const PressOptions& options) {
-  constexpr double kSamples = 50.0;
+  constexpr double kSamples = 50.0;  // beside the delays, for replies that are lost in a row; a free choice
   return ms_to_ns(options.delay_ms + 2.0 * options.jitter_ms + 1e3 * kSamples / options.rate_hz);
 }
 
@@ -108,13 +109,13 @@ Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, co
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   const double depth_m = options.plan.press_n / options.stiffness_n_per_m;
   for (const double frequency_hz : kImpedanceHz) {
-    if (frequency_hz > 0.4 * options.rate_hz) break;
+    if (frequency_hz > 0.4 * options.rate_hz) break;  // too near half the servo rate
     auto setup = make_press_setup(options, loop);
     if (!setup) return tl::unexpected(setup.error());
     setup->chain.gate = ForceChain::Gate::newest;
     ForceChain chain(*setup->law, setup->chain);
-    const auto stiffness =
-        measure_rendered_stiffness(chain, setup->period_ns, frequency_hz, -depth_m, 0.2 * depth_m, find_settle_ns(options), 40);
+    const auto stiffness = measure_rendered_stiffness(chain, setup->period_ns, frequency_hz, -depth_m, 0.2 * depth_m,
+                                                      find_settle_ns(options), kImpedancePeriods);
     list.push_back({{"frequency_hz", frequency_hz},
                     {"stiffness_n_per_m", stiffness.real()},
                     {"damping_ns_per_m", stiffness.imag() / (2.0 * std::numbers::pi * frequency_hz)}});

@@ -53,10 +53,10 @@ std::string csv_number(double value) { return std::isfinite(value) ? fmt::format
 
 nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
-// One of the two directions of the link, each with half of the delay.
-LinkFaults link_of(const ZWidthRow& row, bool is_there) {
+// One direction of the link, with half of the delay: to the force law, or back.
+LinkFaults link_of(const ZWidthRow& row, bool is_to_law) {
   const std::int64_t half_ns = ms_to_ns(0.5 * row.delay_ms);
-  return {.delay_ns = is_there ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
+  return {.delay_ns = is_to_law ? half_ns : ms_to_ns(row.delay_ms) - half_ns, .jitter_ns = ms_to_ns(row.jitter_ms), .loss = row.loss};
 }
 
 // The simulated time for each stiffness: 20 s, but at least 90 delays.
@@ -99,7 +99,7 @@ void simulate(ZWidthRow& row) {
 }
 
 void measure_rest_stiffness(ZWidthRow& row) {
-  constexpr double kMaxStiffness = 1e6;  // N/m: the stiffest wall tried
+  constexpr double kMaxStiffness = 1e6;  // N/m: the stiffest wall tried; a free choice
   row.rest_stiffness_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                                     .hand = row.inputs.hand,
                                                     .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),

@@ -21,7 +21,7 @@ class FaultTable {
 
   const std::optional<Error>& error() const { return error_; }
 
-  void refuse_all_but(const std::vector<std::string_view>& known) {
+  void reject_all_but(const std::vector<std::string_view>& known) {
     for (const auto& [key, node] : table_) {
       if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
         set_error(node, fmt::format("unknown key '{}'{}", key.str(), similar_word_hint(key.str(), known)));
@@ -107,7 +107,7 @@ void FaultTable::read_direction(std::string_view key, LinkFaults& faults) {
   if (node == nullptr) return;
   if (!node->is_table()) return set_error(*node, fmt::format("'{}' must be a table: [phase.{}]", key, key));
   FaultTable direction_table(*node->as_table(), file_);
-  direction_table.refuse_all_but(kFaultKeys);
+  direction_table.reject_all_but(kFaultKeys);
   direction_table.read_faults(faults);
   if (direction_table.error() && !error_) error_ = direction_table.error();
 }
@@ -116,7 +116,7 @@ Result<FaultPhase> read_phase(const toml::table& table, const std::string& file,
   FaultPhase phase;
   phase.name = fmt::format("{}", number);
   FaultTable reader(table, file);
-  reader.refuse_all_but(phase_keys());
+  reader.reject_all_but(phase_keys());
   reader.read("name", phase.name);
   double seconds = 0.0;
   reader.read("seconds", seconds);
@@ -140,7 +140,7 @@ Result<RelayScript> parse_relay_script(std::string_view text, const std::string&
   }
   RelayScript script;
   FaultTable top(parsed.table(), name);
-  top.refuse_all_but({"seed", "repeat", "phase"});
+  top.reject_all_but({"seed", "repeat", "phase"});
   top.read("seed", script.seed);
   top.read("repeat", script.schedule.repeat);
   if (top.error()) return tl::unexpected(*top.error());

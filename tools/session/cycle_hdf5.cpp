@@ -117,6 +117,7 @@ class ShapeRows {
   Handle dataset_;
 };
 
+// The file of write_joined_hdf5 (cycle_files.h). Errors are kept until finish().
 class JoinedHdf5 {
  public:
   explicit JoinedHdf5(const std::filesystem::path& path) {
@@ -266,9 +267,9 @@ class JoinedHdf5 {
   std::optional<Column> event_names_;
   std::optional<Column> event_kinds_;
   std::optional<Column> event_samples_;
-  std::vector<std::vector<double>> values_;
+  std::vector<std::vector<double>> values_;  // of each column: the rows that are not written yet
   Handle shapes_group_;
-  std::vector<RecordedShape> shapes_;
+  std::vector<RecordedShape> shapes_;               // without their displacements
   std::map<std::string, ShapeRows> displacements_;  // by name of the dataset
   bool is_good_ = true;
 };

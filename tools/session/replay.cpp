@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kFirstStepS = 1e-3;  // dt_s of the first row, which has no row before it
 
+// The least time between two readings of the clock.
 std::int64_t measure_clock_cost_ns(const Clock& clock) {
   std::int64_t least = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 1000; ++i) {

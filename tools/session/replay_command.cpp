@@ -96,7 +96,7 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   return tool;
 }
 
-// Refuses flags that do not go together. A flag that a tool does not support yet, but a point or sphere does, is an error, not ignored.
+// Rejects flags that do not go together. A flag that a tool does not support yet, but a point or sphere does, is an error, not ignored.
 Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
   const MethodSettings default_settings;

@@ -27,12 +27,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSamplesInARun = 120.0;       // observations in a run of any length; a free choice
-constexpr double kShortestInterval_s = 2.0;    // between observations, s; a free choice
-constexpr double kPollPeriod_s = 0.1;          // the longest sleep before a stop is noticed, s; a free choice
-constexpr double kProgressEvery_s = 10.0;      // least time between two progress lines, s
-constexpr double kMaxProgressLines = 60.0;     // most progress lines in a run of any length; a free choice
-constexpr double kFirstForceTimeout_s = 30.0;  // longest wait for the first force, s: large meshes need it; a free choice
+constexpr double kSamplesInARun = 120.0;      // observations in a run of any length; a free choice
+constexpr double kShortestIntervalS = 2.0;    // between observations, s; a free choice
+constexpr double kPollPeriodS = 0.1;          // the longest sleep before a stop is noticed, s; a free choice
+constexpr double kProgressEveryS = 10.0;      // least time between two progress lines, s; a free choice
+constexpr double kMaxProgressLines = 60.0;    // most progress lines in a run of any length; a free choice
+constexpr double kFirstForceTimeoutS = 30.0;  // longest wait for the first force, s: large meshes need it; a free choice
 
 // The nodes of this run.
 struct Nodes {
@@ -105,7 +105,7 @@ class NodeSampler {
 
   // Reads the hub until it has counted a force, and with --vision also a frame.
   Result<void> wait_for_force(const StopSignal& stop) {
-    const double end_s = now_s() + kFirstForceTimeout_s;
+    const double end_s = now_s() + kFirstForceTimeoutS;
     while (now_s() < end_s && !stop.stop_requested()) {
       auto reading = read();
       if (!reading) return tl::unexpected(reading.error());
@@ -114,9 +114,9 @@ class NodeSampler {
         return {};
       }
       if (const auto running = nodes_.check_running(); !running) return running;
-      idle(kPollPeriod_s);
+      idle(kPollPeriodS);
     }
-    return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForceTimeout_s);
+    return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForceTimeoutS);
   }
 
   double seconds() const { return now_s() - first_->time_s; }
@@ -208,7 +208,7 @@ Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler&
   double next_progress_s = 0.0;
   while (due_s <= options.seconds + 1e-6) {
     while (sampler.seconds() < due_s && run.end_reason.empty()) {
-      sampler.idle(std::clamp(due_s - sampler.seconds(), 0.0, kPollPeriod_s));
+      sampler.idle(std::clamp(due_s - sampler.seconds(), 0.0, kPollPeriodS));
       if (const auto running = nodes.check_running(); !running) run.end_reason = running.error().what;
       if (stop.stop_requested()) run.end_reason = "stopped early";
     }
@@ -223,7 +223,7 @@ Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler&
     if (!(csv << soak_csv_row(run.samples.back()) << std::flush)) return fail("{}: cannot be written", table.string());
     if (due_s >= next_progress_s) {
       print_progress(run);
-      next_progress_s = due_s + std::max(kProgressEvery_s, options.seconds / kMaxProgressLines);
+      next_progress_s = due_s + std::max(kProgressEveryS, options.seconds / kMaxProgressLines);
     }
     due_s += every_s;
   }
@@ -248,7 +248,7 @@ Result<SoakRun> soak(const SoakOptions& options) {
 }  // namespace
 
 double sample_interval_s(const SoakOptions& options) {
-  return options.every_s > 0.0 ? options.every_s : std::max(kShortestInterval_s, options.seconds / kSamplesInARun);
+  return options.every_s > 0.0 ? options.every_s : std::max(kShortestIntervalS, options.seconds / kSamplesInARun);
 }
 
 Result<SoakEnd> run_soak(const SoakOptions& options) {

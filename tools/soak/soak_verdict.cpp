@@ -12,14 +12,14 @@
 namespace hapton {
 namespace {
 
-// Share of the run that is warm-up and not judged. The warm-up has at least kWarmUpSeconds, but at most kMaxWarmUpShare of a short run.
+// Share of the run that is warm-up and not evaluated. The warm-up has at least kWarmUpSeconds, but at most kMaxWarmUpShare of a short run.
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMaxWarmUpShare = 0.5;
 constexpr double kMaxMemoryGrowthShare = 0.01;  // growth of at most this share of the memory, plus kMaxMemoryGrowthKib, is not a leak
 constexpr double kMaxMemoryGrowthKib = 1024.0;  // KiB: 1 MiB
 constexpr double kMaxCountChange = 0.5;         // a smaller change of a count passes: one more descriptor or thread is larger
-constexpr double kMinRateShare = 0.99;          // the median of the observed rates must be at least this share of the requested rate
+constexpr double kMinRateShare = 0.99;          // least median of the observed rates, as a share of the requested rate; a free choice
 constexpr double kMaxDriftMs = 100.0;           // a sample's own uncertainty: the report and the clock are not read at the same instant
 constexpr double kMaxDriftShare = 1e-4;         // no quartz clock is off by so much
 constexpr std::size_t kMinSamples = 5;          // the medians of thirds of fewer observations say nothing
