@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -74,7 +75,10 @@ TEST(ChildProcess, AMissingProgramIsNamed) {
   EXPECT_THAT(child.error().what, ::testing::HasSubstr("no_such_program_here"));
 }
 
-TEST(ChildProcess, FindsItsOwnFolder) { EXPECT_TRUE(std::filesystem::is_directory(find_own_folder())); }
+TEST(ChildProcess, FindsItsOwnFolder) {
+  EXPECT_TRUE(find_own_folder().is_absolute());
+  EXPECT_TRUE(std::filesystem::exists(find_own_folder() / program_invocation_short_name));
+}
 
 }  // namespace
 }  // namespace hapton

@@ -25,7 +25,7 @@ StressPlan short_plan(bool by_patches) {
 
 // The numerical stress test of every body on its grid, with friction and without. Touched by patches of its parts, a body has no more
 // faults than when it is touched as a whole.
-TEST(PatchMethod, HasNoFaultThatTheWholeBodyHasNot) {
+TEST(PatchMethod, HasNoMoreFaultsThanTheWholeBody) {
   std::vector<StressBody> bodies;
   for (const std::string_view name : stress_body_names()) bodies.push_back(on_patch_grid(make_stress_body(name)));
   const auto no_output = [](const StressResult&) {};

@@ -39,7 +39,7 @@ TEST(StepCost, WhatTheMethodRejectsIsAnError) {
 }
 
 // A cycle of 10 kHz lasts 100 us: half of it for the 99th percentile, all of it for the worst step.
-TEST(StepCost, IsJudgedByTheCycle) {
+TEST(StepCost, IsComparedWithTheCycle) {
   StepCost cost{.steps = 1000, .p99_ns = 49'000, .worst_ns = 99'000, .worst_object = "lamp", .worst_at_m = Vec3(1, 2, 3)};
   EXPECT_TRUE(check_cost(cost, 10'000.0).empty());
   cost.worst_ns = 101'000;

@@ -16,7 +16,7 @@ TEST(RosNames, APrefixBeginsWithASlash) {
     ASSERT_FALSE(made) << bad;
     EXPECT_EQ(made.error().what.find('\n'), std::string::npos);
   }
-  EXPECT_TRUE(make_prefix(std::string(199, 'a')));
+  EXPECT_TRUE(make_prefix(std::string(200, 'a')));
   EXPECT_FALSE(make_prefix(std::string(201, 'a')));
 }
 
@@ -33,16 +33,20 @@ TEST(RosNames, TheDomainIsTheOneGivenOrThatOfRos) {
   EXPECT_FALSE(choose_domain(std::nullopt, "9 "));
 }
 
-TEST(RosNames, FramesAndInterfaces) {
+TEST(RosNames, FramesAndInterfacesAreNamesWithoutBlanks) {
   EXPECT_TRUE(check_frame("map"));
   EXPECT_TRUE(check_frame("robot/base-link"));
   EXPECT_FALSE(check_frame("/map"));
   EXPECT_FALSE(check_frame(""));
+  EXPECT_FALSE(check_frame("base link"));
+  EXPECT_TRUE(check_frame(std::string(200, 'a')));
+  EXPECT_FALSE(check_frame(std::string(201, 'a')));
   EXPECT_TRUE(check_interface("eth0"));
   EXPECT_TRUE(check_interface("192.168.1.5"));
   EXPECT_TRUE(check_interface("enp0s31f6.100"));
   EXPECT_FALSE(check_interface("<x>"));
   EXPECT_FALSE(check_interface(""));
+  EXPECT_FALSE(check_interface("eth 0"));
 }
 
 }  // namespace

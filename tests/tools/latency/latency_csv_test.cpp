@@ -38,11 +38,12 @@ TEST(LatencyCsv, WhatIsNewIsTheDifferenceOfTwoTables) {
 
 TEST(LatencyCsv, NamesTheLineThatIsWrong) {
   const std::string header = "hop,lower_ns,upper_ns,count\n";
-  for (const char* row : {"a,1,2", "a,1,2,x", "a,2,1,5", "a,-1,2,5", "a b,1,2,5", "a'; system('x'),1,2,5", ",1,2,5", "a,1,2,5,6",
-                          "a,10,20,1\na,15,30,1", "a,1,2,5\nok,5,6,1"}) {
-    const auto hops = parse_latency_csv(header + "ok,1,2,3\n" + row + "\n", "r.csv");
+  for (const std::string_view row : {"a,1,2", "a,1,2,x", "a,2,1,5", "a,-1,2,5", "a b,1,2,5", "a'; system('x'),1,2,5", ",1,2,5", "a,1,2,5,6",
+                                     "a,10,20,1\na,15,30,1", "a,1,2,5\nok,5,6,1"}) {
+    const auto hops = parse_latency_csv(header + "ok,1,2,3\n" + std::string(row) + "\n", "r.csv");
     ASSERT_FALSE(hops) << row;
-    EXPECT_THAT(hops.error().what, HasSubstr("r.csv:")) << row;
+    const bool has_two_lines = row.find('\n') != std::string_view::npos;  // the second one is wrong
+    EXPECT_THAT(hops.error().what, HasSubstr(has_two_lines ? "r.csv:4:" : "r.csv:3:")) << row;
   }
   EXPECT_THAT(parse_latency_csv("something\n", "r.csv").error().what, HasSubstr("r.csv:1:"));
   EXPECT_THAT(parse_latency_csv("", "r.csv").error().what, HasSubstr("r.csv:1:"));

@@ -180,7 +180,9 @@ TEST_F(McapRecordings, ATruncatedRecordingIsWrittenUpToItsEnd) {
 TEST_F(McapRecordings, TimesOfAHostileFileDoNoHarm) {
   for (const std::int64_t time_ns : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1}, std::numeric_limits<std::int64_t>::max()})
     codec.append(cycle_at(1, time_ns), bytes);
-  EXPECT_TRUE(write());
+  const auto written = write();
+  ASSERT_TRUE(written);
+  EXPECT_EQ(written->cycles, 3U);
 }
 
 TEST_F(McapRecordings, AnEmptyRecordingGivesAValidFile) {
