@@ -19,10 +19,10 @@ struct RemoteGrid {
   std::vector<double> speeds_m_per_s;
   std::vector<double> round_trips_s;
   std::vector<double> losses;  // share of the datagrams that is lost, each way
-  double jitter_s = 0.0;   // largest random extra delay of a datagram, each way
-  double stall_s = 0.0;    // mean length of the stalls of the device's machine (machine_stalls.h)
-  std::uint64_t seed = 1;  // the first seed, of the path and of the network
-  std::size_t seeds = 1;   // number of seeds
+  double jitter_s = 0.0;       // largest random extra delay of a datagram, each way
+  double stall_s = 0.0;        // mean length of the stalls of the device's machine (machine_stalls.h)
+  std::uint64_t seed = 1;      // the first seed, of the path and of the network
+  std::size_t seeds = 1;       // number of seeds
   double stiffness_n_per_m = 1000.0;
   std::string device_name;
   RemoteDevice device;

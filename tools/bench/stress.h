@@ -28,10 +28,10 @@ struct StressPlan {
   std::uint64_t seed = 1;
   std::uint64_t steps = 100000;  // for each body, divided among the variants; the last episode is finished, walks of 20,000 steps are added
   std::size_t compare_every = 64;  // steps between two comparisons with the reference; 0: only where a fault is suspected
-  double probe_share = 0.0;  // above 0: radius of the probe for every body, as a share of its longest side, in place of its own
-  bool by_patches = false;   // the force is computed on patches (patch_method.h); method proxy
-  bool on_grid = false;      // the vertices are rounded to the grid of the patches, but the method gets the whole mesh
-  bool no_seal = false;      // the cracks of mesh files are not sealed
+  double probe_share = 0.0;        // above 0: radius of the probe for every body, as a share of its longest side, in place of its own
+  bool by_patches = false;         // the force is computed on patches (patch_method.h); method proxy
+  bool on_grid = false;            // the vertices are rounded to the grid of the patches, but the method gets the whole mesh
+  bool no_seal = false;            // the cracks of mesh files are not sealed
   unsigned threads = 1;
   std::vector<StressVariant> variants = standard_variants();
 };

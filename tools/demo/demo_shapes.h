@@ -21,7 +21,7 @@ inline double centre_m(double x_m) { return kAmplitudeM * std::sin(2.0 * std::nu
 
 // meshes/thin_wall.obj.
 namespace demo_wall {
-constexpr double kThicknessM = 0.0001;  // thickness of the wall
+constexpr double kThicknessM = 0.0001;         // thickness of the wall
 constexpr double kFrontM = 0.5 * kThicknessM;  // z of the front
 constexpr double kHalfSideM = 0.070;           // half of the wall's side
 }  // namespace demo_wall

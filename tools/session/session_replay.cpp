@@ -16,7 +16,7 @@ namespace {
 // Replies are reordered by at most this number of samples; ForceCommand::replied_before covers the same number.
 constexpr std::uint64_t kMaxReorder = 64;
 
-// After this time in free space and without a button, a sphere probe that carves has no state left.
+// After this time in free space and without a button, a sphere probe that carves has no state left (decision 170).
 constexpr std::int64_t kStatelessAfterNs = 300'000'000;
 // The bodies are rebuilt at most this often, because making them takes up to a second.
 constexpr std::int64_t kRebuildEveryNs = 1'000'000'000;
