@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string>
 
 #include "tests/support/scratch_folder.h"
 
@@ -16,6 +17,17 @@ TEST(Gnuplot, TheFolderOfAPlotIsMade) {
   const auto drawn = draw_with_gnuplot(folder, "plot.txt", "set terminal dumb\nset output 'plot.txt.part'\nplot x\n");
   EXPECT_TRUE(std::filesystem::is_directory(folder)) << drawn.error().what;
   EXPECT_EQ(drawn.has_value(), std::filesystem::exists(folder / "plot.txt"));
+}
+
+// gnuplot, if it is installed, waits for a minute here; without it, the error says so.
+TEST(Gnuplot, AnErrorTellsThatItTookTooLong) {
+  const ScratchFolder scratch;
+  const auto drawn = draw_with_gnuplot(scratch.path(), "plot.txt", "pause 60\n", 0.3);
+  ASSERT_FALSE(drawn.has_value());
+  const std::string& what = drawn.error().what;
+  if (what.find("cannot be started") != std::string::npos) GTEST_SKIP() << what;
+  EXPECT_NE(what.find("longer than 0.3 s"), std::string::npos) << what;
+  EXPECT_NE(what.find((scratch.path() / "plot.txt").string()), std::string::npos) << what;
 }
 
 }  // namespace
