@@ -136,6 +136,8 @@ void ContactCones::store_results(const LocalContacts& local) noexcept {
     if (!(contact.normal > 0.0)) continue;
     const auto n = static_cast<std::size_t>(contact.index);
     const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
+    forces_[previous_count_] = {contact.index, contact.normal * local.bounds[n].row + wrench(tangential, local.contacts[n].arm),
+                                contact.normal};
     previous_[previous_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
     if (contact.normal < kMinForceShare * largest) continue;
     slip_ = std::max(slip_, std::hypot(contact.tangent_rows[0].dot(scaled_motion_) - contact.slip_start[0],

@@ -2,10 +2,18 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "core/tool/local_contacts.h"
 
 namespace hapton {
+
+// What a contact exerts on the tool: force, and torque about the grip point; local units, divided by the coupling's linear stiffness.
+struct ContactForce {
+  int index = -1;  // of the contact in LocalContacts
+  Vec6 wrench = Vec6::Zero();
+  double normal = 0.0;  // the part of the force along the contact's normal
+};
 
 // The forces of contacts on a rigid tool under Coulomb friction, and the pose at which they hold the tool.
 //
@@ -33,6 +41,8 @@ class ContactCones {
   const Vec6& motion() const noexcept { return motion_; }  // from local.proxy; may violate bounds by what the limits above left
   double slip() const noexcept { return slip_; }  // largest since `slip_start`, of contacts with at least 2^-10 of the largest force
   bool holds() const noexcept { return previous_count_ > 0; }  // a contact pushes
+  // Of the contacts that push, valid until the next step. Their sum is what the coupling exerts at motion().
+  std::span<const ContactForce> forces() const noexcept { return {forces_.data(), previous_count_}; }
   int rounds() const noexcept { return rounds_; }
 
  private:
@@ -69,7 +79,8 @@ class ContactCones {
   std::size_t count_ = 0;
   std::array<PreviousContact, kMax> previous_ = {};  // those that pushed in the last step
   std::size_t previous_count_ = 0;
-  Vec6 scaled_motion_ = Vec6::Zero();  // scaled: the device's motion plus the displacements by all forces
+  std::array<ContactForce, kMax> forces_ = {};  // of the same contacts
+  Vec6 scaled_motion_ = Vec6::Zero();           // scaled: the device's motion plus the displacements by all forces
   Vec6 motion_ = Vec6::Zero();
   double slip_ = 0.0;
   int rounds_ = 0;

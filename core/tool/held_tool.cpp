@@ -3,11 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <span>
 
 namespace hapton {
 namespace {
 
+constexpr std::size_t kMaxActive = 6;  // of LocalContacts::Solution
+
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+std::span<const ContactForce> forces_of(const LocalContacts& contacts, const LocalContacts::Solution& solution,
+                                        std::array<ContactForce, kMaxActive>& forces) {
+  const auto count = static_cast<std::size_t>(solution.active_count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double multiplier = solution.multipliers[static_cast<Eigen::Index>(k)];
+    forces[k] = {solution.active[k], multiplier * contacts.bounds[static_cast<std::size_t>(solution.active[k])].row, multiplier};
+  }
+  return {forces.data(), count};
+}
 
 }  // namespace
 
@@ -138,19 +152,23 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   found.contacts.follow(parts_);
   if (has_changed_) set_friction(found.contacts);
   LocalContacts::Solution solution;
+  std::array<ContactForce, kMaxActive> frictionless_forces;
+  std::span<const ContactForce> forces;
   if (has_friction_) {
     const ToolFriction::Step friction_step = friction_.step(found.contacts, device, parts_);
     goal = friction_step.goal;
     solution = friction_step.solution;
+    forces = friction_step.forces;
     at = friction_step.at;
   } else {
     solution = found.contacts.solve(device);
+    forces = forces_of(found.contacts, solution, frictionless_forces);
     at = solution.at;
   }
   output = tool_->felt_at(input, device, at);
   const Vec3 felt_p_WP = output.X_WP.translation();
   if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn_pose(found, at)).X_WP;
-  find_pushes(found.contacts, solution, output, input.X_WS.linear());
+  find_pushes(found.contacts, forces, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - std::max(age_s_, frozen_s_)) / (kStaleS - kFreshS), 0.0, 1.0);
@@ -175,34 +193,33 @@ Placement HeldTool::drawn_pose(const FoundContacts& found, const Placement& at) 
   return motion.at(1.0 + lateness_share * (found.reach / length - 1.0));
 }
 
-void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
+void HeldTool::find_pushes(const LocalContacts& contacts, std::span<const ContactForce> forces, const ToolOutput& felt,
                            const Mat3& R_WS) noexcept {
   if (pushes_.empty()) return;
   // What a multiplier of 1 means: this force, and the torque of this force at a lever of one local unit.
   const double unit_n = tool_->unit_force_n();
   const double unit_nm = unit_n * tool_->scene().unit_m();
-  Vec3 remaining_n = felt.force_n;  // the whole force; after the loop only what friction adds
+  Vec3 remaining_n = felt.force_n;
   Vec3 remaining_nm = felt.torque_nm;
-  double friction_weight = 0.0;
-  for (int k = 0; k < solution.active_count; ++k) {
-    const auto i = static_cast<std::size_t>(solution.active[k]);
-    const LocalContact& contact = contacts.contacts[i];
-    const Vec3 force_n = unit_n * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.head<3>());
-    const Vec3 torque_nm = unit_nm * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.tail<3>());
+  double normal_sum = 0.0;
+  const auto oppose = [&](const ContactForce& contact, const Vec3& force_n, const Vec3& torque_nm) {
+    const int part = contacts.contacts[static_cast<std::size_t>(contact.index)].part;
+    if (part <= 0) return;
+    ToolPush& push = pushes_[static_cast<std::size_t>(part) - 1];
+    push = {push.force_n - force_n, push.torque_nm - torque_nm};
+  };
+  for (const ContactForce& contact : forces) {
+    const Vec3 force_n = unit_n * (R_WS * contact.wrench.head<3>());
+    const Vec3 torque_nm = unit_nm * (R_WS * contact.wrench.tail<3>());
     remaining_n -= force_n;
     remaining_nm -= torque_nm;
-    friction_weight += solution.multipliers[k] * contact.friction.friction_dynamic;
-    if (contact.part <= 0) continue;
-    ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
-    push = {push.force_n - force_n, push.torque_nm - torque_nm};
+    normal_sum += contact.normal;
+    oppose(contact, force_n, torque_nm);
   }
-  if (!(friction_weight > 0.0)) return;
-  for (int k = 0; k < solution.active_count; ++k) {
-    const LocalContact& contact = contacts.contacts[static_cast<std::size_t>(solution.active[k])];
-    if (contact.part <= 0) continue;
-    const double share = solution.multipliers[k] * contact.friction.friction_dynamic / friction_weight;
-    ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
-    push = {push.force_n - share * remaining_n, push.torque_nm - share * remaining_nm};
+  if (!has_friction_ || !(normal_sum > 0.0)) return;
+  for (const ContactForce& contact : forces) {
+    const double share = contact.normal / normal_sum;
+    oppose(contact, share * remaining_n, share * remaining_nm);
   }
 }
 

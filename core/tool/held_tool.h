@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/base/mailbox.h"
@@ -63,7 +64,8 @@ class HeldTool final : public StylusTool {
   };
   const Lateness& lateness() const noexcept { return lateness_; }
 
-  // Fast. The friction force is divided among all contacts in proportion to normal force times dynamic friction coefficient.
+  // Fast. The sum of what the contacts with the part exert, opposed. With friction, what their forces leave of the whole
+  // (ToolFriction::Step) is divided among all contacts in proportion to the normal force.
   const ToolPush& push_on(std::size_t part) const noexcept override { return pushes_[part]; }
 
   // Slow: moves the proxy towards the newest sample and finds the contacts there. False: there is no new sample.
@@ -84,8 +86,7 @@ class HeldTool final : public StylusTool {
   void move_damping(const ToolInput& input, const Placement& device, double dt_s) noexcept;
   void add_damping(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                    ToolOutput& output) noexcept;
-  void find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
-                   const Mat3& R_WS) noexcept;
+  void find_pushes(const LocalContacts& contacts, std::span<const ContactForce> forces, const ToolOutput& felt, const Mat3& R_WS) noexcept;
 
   struct Sample {
     Placement device = {};

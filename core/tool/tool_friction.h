@@ -37,6 +37,8 @@ class ToolFriction {
     Placement at;                      // pose of the tool, with friction
     Placement goal;                    // for the slow task's proxy: `at`, or the device if the tool is free
     LocalContacts::Solution solution;  // the contacts' solution without friction
+    // What the contacts exert, valid until the next step; the turn of 0.1 rad and bounds that are still violated change their sum.
+    std::span<const ContactForce> forces = {};
   };
   // parts: as in LocalContacts::follow. Without contact the pose is `device`; but a tool that was held turns by 0.1 rad a call at most.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;

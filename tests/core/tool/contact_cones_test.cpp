@@ -78,8 +78,8 @@ TEST(ContactCones, AGrooveHoldsByItsSides) {
   EXPECT_NEAR(wanted[0] - solve_motion(cones, local, wanted)[0], 0.3 * std::sqrt(2.0) * 0.01, 2e-7);
 }
 
-// Random contacts on one tool, friction up to 1.2: penetration is no more than what the iteration leaves, and the energy of the
-// coupling is at most 5 % above that of the tool that stays.
+// Random contacts on one tool, friction up to 1.2: penetration is no more than what the iteration leaves, the energy of the coupling is at
+// most 5 % above that of the tool that stays, and the forces, each within its friction cone, balance the coupling.
 TEST(ContactCones, RandomContactsHoldTheTool) {
   std::mt19937_64 random(20261128);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -105,6 +105,16 @@ TEST(ContactCones, RandomContactsHoldTheTool) {
     double deepest = 0.0;
     for (std::size_t i = 0; i < local.count; ++i) deepest = std::max(deepest, -local.bounds[i].row.dot(motion));
     ASSERT_LT(deepest, 3e-3) << trial;
+    Vec6 sum = Vec6::Zero();
+    for (const ContactForce& force : cones.forces()) {
+      const auto i = static_cast<std::size_t>(force.index);
+      const Vec3 tangential = force.wrench.head<3>() - force.normal * local.bounds[i].row.head<3>();
+      ASSERT_GT(force.normal, 0.0) << trial;
+      ASSERT_LE(tangential.norm(), local.contacts[i].friction.friction_dynamic * force.normal + 1e-15) << trial;
+      ASSERT_LT((force.wrench.tail<3>() - local.contacts[i].arm.cross(force.wrench.head<3>())).norm(), 1e-15) << trial;
+      sum += force.wrench;
+    }
+    ASSERT_LT((sum - local.stiffness.cwiseProduct(motion - wanted)).norm(), 1e-14) << trial;
     unconverged_trials += deepest > 1e-4 ? 1 : 0;
     ++(cones.slip() > 1e-5 ? sliding_trials : sticking_trials);
   }

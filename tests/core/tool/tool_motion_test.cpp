@@ -356,6 +356,32 @@ TEST(ToolAndMotion, AHeldToolPushesNothingWhereAPositionIsNotFinite) {
   EXPECT_EQ(held.push_on(0).torque_nm, Vec3(Vec3::Zero()));
 }
 
+// A cube slides down a wall with friction, onto a slab without. The wall carries a part of what presses the cube down, so the slab gets
+// less than without friction.
+TEST(ToolAndMotion, AHeldToolPushesEachPartWithTheForcesOfItsOwnContacts) {
+  constexpr double kFriction = 0.5;
+  constexpr double kPressN = kCouplingStiffness * 0.002;  // of the hand, into the wall and into the slab
+  TriangleMesh wall = make_box({0.02, 0.2, 0.1}, 3);
+  for (Vec3& vertex : wall.vertices) vertex += Vec3(0.03, 0.0, 0.065);
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes = {std::make_shared<TriangleMesh>(wall), std::make_shared<TriangleMesh>(kSlab)};
+  auto made =
+      ToolStep::make(kCube, std::move(meshes), {.stiffness_n_per_m = kCouplingStiffness}, {{kFriction, kFriction}, {}}, nullptr, {0, 1});
+  ASSERT_TRUE(made) << made.error().what;
+  HeldTool held(std::move(*made));
+  const Pose X_SO = Pose::Identity();
+  ToolOutput out;
+  for (int n = 0; n <= 240; ++n) {
+    const Vec3 hand(1e-4 * std::min(n, 120), 0.0, 0.025 - 1e-4 * std::clamp(n - 130, 0, 70));
+    out = held.step({.X_WD = moved_by(hand), .X_SO = {&X_SO, 1}}, 1'000'000 * n);
+    held.follow();
+  }
+  ASSERT_NEAR(out.force_n.x(), -kPressN, 0.02);
+  ASSERT_NEAR(out.force_n.z(), kPressN, 0.02);
+  const ToolPush& slab = held.push_on(0);
+  EXPECT_NEAR(slab.force_n.z(), -(kPressN - kFriction * kPressN), 0.02);
+  EXPECT_LT(slab.force_n.head<2>().norm(), 1e-3);
+}
+
 // A tool whose contacts are late is drawn near the place where they were found, but its force acts where the hand is.
 TEST(ToolAndMotion, AToolWithLateContactsPushesAPartAboutItsDrawnGripPoint) {
   HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
