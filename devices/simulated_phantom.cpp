@@ -7,6 +7,9 @@
 #include "devices/model_a.h"
 
 namespace hapton {
+
+static_assert(HandScript::kMaxAims == Device::kMaxAims);
+
 namespace {
 
 constexpr double kHandTurnRadPerS = 2.0;  // about each axis: a third of a turn a second, as a hand turns a nut

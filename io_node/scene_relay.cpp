@@ -6,6 +6,8 @@
 
 namespace hapton {
 
+static_assert(SceneFacts::kMaxPoints <= Device::kMaxAims, "the simulated hand goes to every point of a scene");
+
 void SceneRelay::accept(const SceneFacts& scene, NodeRole role, const std::optional<ViewTransform>& view) noexcept {
   if (role != NodeRole::haptics) {
     peers_.send_to_role(NodeRole::haptics, scene);

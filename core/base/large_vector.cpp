@@ -19,8 +19,9 @@ std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) {
 // Fills the pages at once, then sets MADV_NOHUGEPAGE: otherwise khugepaged might collapse small pages later and stall readers.
 void use_large_pages(void* memory, std::size_t bytes) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
-  const bool are_filled = ::madvise(memory, bytes, MADV_HUGEPAGE) == 0 && ::madvise(memory, bytes, MADV_POPULATE_WRITE) == 0;
-  if (are_filled) (void)::madvise(memory, bytes, MADV_NOHUGEPAGE);
+  if (::madvise(memory, bytes, MADV_HUGEPAGE) != 0) return;
+  (void)::madvise(memory, bytes, MADV_POPULATE_WRITE);  // where it fails, pages are filled when they are first written, as small ones
+  (void)::madvise(memory, bytes, MADV_NOHUGEPAGE);
 #else
   (void)memory;
   (void)bytes;
