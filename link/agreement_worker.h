@@ -14,7 +14,7 @@ namespace hapton {
 // One step of a handshake that needs an X25519 key agreement or key pair, which is too slow for a real-time loop. The destructor wipes the
 // secrets.
 struct AgreementTask {
-  // Who does it: members that are read -> members that are written.
+  // Which side does it: members that are read -> members that are written.
   enum class Kind : std::uint8_t {
     make_request,      // node: psk, prologue -> first, state
     read_reply,        // node: state, second -> keys, connection
@@ -27,7 +27,7 @@ struct AgreementTask {
   std::int64_t timestamp_ns = 0;  // for the caller: comes back unchanged
   seal::Secret psk = {};
   std::array<std::uint8_t, seal::kPrologueBytes> prologue = {};
-  std::array<std::uint8_t, seal::kFirstBytes> first = {};
+  std::array<std::uint8_t, seal::kFirstBytes> first = {};  // the two messages of the Noise handshake (noise.h)
   std::array<std::uint8_t, seal::kSecondBytes> second = {};
   noise::HandshakeState state;
   seal::ChannelKeys keys;

@@ -39,7 +39,7 @@ Result<BareEchoEndpoint> BareEchoEndpoint::open(std::string_view bind_address) {
 }
 
 BareEchoEndpoint::BareEchoEndpoint(BareEchoEndpoint&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)), local_(other.local_), served_(other.served_), passed_over_(other.passed_over_) {}
+    : socket_(std::exchange(other.socket_, -1)), local_(other.local_), served_(other.served_), ignored_(other.ignored_) {}
 
 BareEchoEndpoint::~BareEchoEndpoint() {
   if (socket_ >= 0) {
@@ -55,7 +55,7 @@ bool BareEchoEndpoint::serve_one() noexcept {
     return false;
   }
   if (static_cast<std::size_t>(received) < kEchoMarkBytes || std::memcmp(buffer.data(), kEchoRequest.data(), kEchoMarkBytes) != 0) {
-    ++passed_over_;
+    ++ignored_;
     return true;
   }
   std::memcpy(buffer.data(), kEchoReply.data(), kEchoMarkBytes);

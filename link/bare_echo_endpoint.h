@@ -34,7 +34,7 @@ class BareEchoEndpoint {
 
   const Address& local_address() const { return local_; }
   std::uint64_t served() const { return served_; }
-  std::uint64_t passed_over() const { return passed_over_; }
+  std::uint64_t ignored() const { return ignored_; }  // datagrams that were no echo request
 
  private:
   BareEchoEndpoint(int socket, const Address& local) : socket_(socket), local_(local) {}
@@ -42,7 +42,7 @@ class BareEchoEndpoint {
   int socket_ = -1;
   Address local_;
   std::uint64_t served_ = 0;
-  std::uint64_t passed_over_ = 0;
+  std::uint64_t ignored_ = 0;
 };
 
 }  // namespace hapton

@@ -37,7 +37,7 @@ class ClockOffset {
   bool is_known_ = false;
   std::int64_t offset_ns_ = 0;
   std::int64_t error_bound_ns_ = 0;
-  std::int64_t exchange_ns_ = 0;
+  std::int64_t exchange_ns_ = 0;  // when the reply of that exchange arrived, our clock
 };
 
 }  // namespace hapton

@@ -32,7 +32,7 @@ enum class DecodeStatus : std::uint8_t {
 
 std::string_view to_string(DecodeStatus status) noexcept;
 
-// Turns datagrams into bytes and back as proto/hapton.proto specifies. It keeps its message objects between calls: one Codec for each
+// Turns datagrams into bytes and back as proto/hapton.proto specifies. It keeps its protobuf objects between calls: one Codec for each
 // thread. RT: encode and decode yes (no heap, lock or throw, whatever the bytes); construction set-up only.
 class Codec {
  public:
@@ -44,8 +44,9 @@ class Codec {
   // Writes the datagram into `into` and returns its size; 0: it does not fit. It does not check values: decode does.
   std::size_t encode(const Datagram& datagram, std::span<std::byte> into) noexcept;
 
-  // Reads one datagram. Post: unless ok, `datagram` is unchanged; but with not_rigid it holds the header and a ViewTransform of the
-  // received revision and the identity pose, so that the receiver can report the rejection to the sender.
+  // Reads one datagram. Post: after ok, `datagram` is what was read. After not_rigid, it holds the header and a ViewTransform of the
+  // received revision with the identity pose, so that the receiver can report the rejection to the sender. After all others it is
+  // unchanged.
   DecodeStatus decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept;
 
  private:

@@ -14,11 +14,11 @@ namespace hapton {
 struct LinkFaults {
   std::int64_t delay_ns = 0;   // delay of every datagram
   std::int64_t jitter_ns = 0;  // additional delay, uniform in [0, jitter_ns]; reorders datagrams if it exceeds the time between two of them
-  double loss = 0.0;
-  double burst_share = 0.0;   // share of the datagrams within bursts
-  double burst_length = 8.0;  // mean number of datagrams in a burst (bad state), 1 or more
-  double burst_loss = 1.0;    // probability of loss within a burst
-  double reorder = 0.0;       // share that is delayed by reorder_by_ns more, so that later datagrams overtake it
+  double loss = 0.0;           // probability of loss outside bursts
+  double burst_share = 0.0;    // share of the datagrams within bursts
+  double burst_length = 8.0;   // mean number of datagrams in a burst (bad state), 1 or more
+  double burst_loss = 1.0;     // probability of loss within a burst
+  double reorder = 0.0;        // share that is delayed by reorder_by_ns more, so that later datagrams overtake it
   std::int64_t reorder_by_ns = 2'000'000;
   double duplicate = 0.0;
   double corrupt = 0.0;    // share of the datagrams in which one byte is changed

@@ -88,8 +88,8 @@ class HubClient {
   JoinState state_ = JoinState::joining;
   Arrival last_arrival_ = Arrival::newest;
   std::uint64_t session_ = 0;
-  std::uint64_t retired_session_ = 0;
-  std::int64_t accepted_at_ns_ = 0;  // of the hub's clock: when it sent the newest Welcome that accepts this node
+  std::uint64_t retired_session_ = 0;  // the session before: a late Welcome in it is ignored
+  std::int64_t accepted_at_ns_ = 0;    // of the hub's clock: when it sent the newest Welcome that accepts this node
   std::uint64_t sequence_ = 0;
   std::int64_t next_hello_ns_ = 0;
   std::int64_t last_received_ns_ = 0;

@@ -60,10 +60,11 @@ class KnownShapes {
   // The newest of an object are kept: those that wait for their start (StreamedGeometry::kMaxWaiting), and a few for earlier pictures.
   static constexpr std::size_t kMaxStarts = 12;
   static constexpr std::size_t kMaxShapes = 16;
-  static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
-  static constexpr std::int64_t kRequestEveryNs = 200'000'000;
-  static constexpr std::int64_t kReorderedNs = 25'000'000;  // parts sent before a start may come that much after it
-  static constexpr std::size_t kMaxRuns = 8;                // runs of missing parts of a shape, in requests ahead
+  // Choices: shorter times repair a loss sooner, and request more parts that were only late.
+  static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // from an announced start to the first request: the parts may be on their way
+  static constexpr std::int64_t kRequestEveryNs = 200'000'000;  // between two requests
+  static constexpr std::int64_t kReorderedNs = 25'000'000;      // from a start to the request ahead: parts sent before it may come after it
+  static constexpr std::size_t kMaxRuns = 8;                    // runs of missing parts of a shape, in requests ahead
 
   struct Object {
     std::uint32_t total = 0;             // vertices

@@ -14,6 +14,7 @@
 namespace hapton {
 
 // The messages between the nodes. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
+// Frames and points (docs/frames.md): W world, S static scene, D device point, T stylus, P proxy, H goal of the simulated hand.
 // A node needs only the hub's address (io_node): every message goes to the hub or comes from it.
 
 enum class NodeRole : std::uint8_t { io = 1, haptics = 2, vision = 3, tool = 4 };
@@ -40,7 +41,7 @@ struct DeviceState {
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
   bool is_resumed = false;   // p_WP is valid: from a join, or from the end of the hub's own force, until the first reply
-  Vec3 p_WP = Vec3::Zero();  // where haptics resumes: the probe in contact, or after the hub's own force also without contact
+  Vec3 p_WP = Vec3::Zero();  // where haptics resumes: the proxy in contact, or after the hub's own force also without contact
   // While the hub computes the force of a scene that moves, from its parts: the scene time of this sample. Below 0: haptics determines it.
   std::int64_t scene_time_ns = -1;
 };
@@ -76,7 +77,8 @@ struct ForceCommand {
   std::uint32_t shape_serial = 0;  // of the newest ShapeStart that this force was computed with
   // The push on `object`. None: the stylus holds no rigid tool, or programs move nothing; so a push does not mean contact.
   std::optional<ObjectPush> push = {};
-  std::optional<std::uint32_t> haptons = {};  // pairs of triangles of a rigid tool in contact (memo, section 5); none: no tool can be held
+  std::optional<std::uint32_t> haptons =
+      {};  // pairs of triangles of a rigid tool in contact (HP memo, section 5); none: no tool can be held
   // Proxy minus device point, in a scene with layers, where a needle is drawn elsewhere. None: the same as visual_offset_m. A value does
   // not mean contact.
   std::optional<Vec3> held_offset_m = {};
@@ -84,9 +86,11 @@ struct ForceCommand {
   const Vec3& held_offset() const noexcept { return held_offset_m ? *held_offset_m : visual_offset_m; }
 };
 
-constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before, if the first reply goes on from an earlier session
+// ForceCommand::replied_before of the first reply in a session that continues an earlier one: which samples got a reply is not known.
+constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};
 
-// vision -> hub -> haptics and the other vision nodes, when the knob box turned the static scene: the memo's 12 floats.
+// vision -> hub -> haptics and the other vision nodes, when the knob box (dials that turn the static scene) was used: the HP memo's 12
+// floats.
 struct ViewTransform {
   std::uint32_t revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
@@ -128,13 +132,14 @@ struct ProbeState {
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
   std::uint32_t energy_percent = 0;
-  std::int32_t object = -1;                   // touched in that sample, as in ForceCommand
-  Vec3 torque_nm = Vec3::Zero();              // the newest, of a rigid tool
-  Vec3 visual_turn = Vec3::Zero();            // of that sample, as in ForceCommand
-  float force_limit_n = 0.0F;                 // the largest force that the device may get; 0: unknown
-  std::int64_t scene_time_ns = 0;             // of the newest sample with a reply, as in ForceCommand
-  std::optional<ObjectPush> push = {};        // of that sample, as in ForceCommand
-  std::optional<std::uint32_t> haptons = {};  // likewise
+  // Of the sample with the pose above, as in ForceCommand: object, visual_turn, push, haptons.
+  std::int32_t object = -1;
+  Vec3 torque_nm = Vec3::Zero();  // the newest, of a rigid tool
+  Vec3 visual_turn = Vec3::Zero();
+  float force_limit_n = 0.0F;      // the largest force that the device may get; 0: unknown
+  std::int64_t scene_time_ns = 0;  // of the newest sample with a reply, as in ForceCommand
+  std::optional<ObjectPush> push = {};
+  std::optional<std::uint32_t> haptons = {};
 };
 
 // vision -> hub, after the first frame that shows a state was drawn, or left out because it would look the same: names the sample of the

@@ -28,7 +28,7 @@ struct PatchBegin {
   std::uint64_t scene_hash = 0;
   std::uint32_t body_count = 1;     // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
   std::uint32_t request = 0;        // PatchStatus::request that it replies to; after a later request the hub ignores it. 0: any
-  std::uint32_t method_serial = 0;  // the hub begins at the probe of a reply with this or a later method_serial only. 0: any
+  std::uint32_t method_serial = 0;  // the hub's force begins at the proxy of a ForceCommand with this or a later method_serial. 0: any
   std::uint32_t effect_bytes = 0;   // size of the effects, which come in PatchEffects; 0: there are none
 };
 
@@ -75,7 +75,7 @@ struct PatchBody {
   std::uint32_t serial = 0;
   std::uint32_t body = 0;
   Motion motion = Motion::still;
-  bool deforms = false;  // it is one object that deforms, before the motion: see PatchDeformation, PatchStream
+  bool deforms = false;  // it is one object that deforms (PatchDeformation, PatchStream); the motion moves its deformed shape
   // All its triangles, in all its shapes, are between these points of the grid; lowest above highest: it has none.
   std::array<std::uint32_t, 3> lowest = {1, 1, 1};
   std::array<std::uint32_t, 3> highest = {};

@@ -27,8 +27,8 @@ class TokenBucket {
   }
 
  private:
-  std::int64_t token_ns_ = 1;
-  std::int64_t capacity_ns_ = 0;
+  std::int64_t token_ns_ = 1;     // time in which one token is added; the bucket's level is counted in this time
+  std::int64_t capacity_ns_ = 0;  // 0: permits nothing
   std::int64_t level_ns_ = 0;
   std::int64_t last_ns_ = 0;
 };

@@ -38,10 +38,10 @@ struct RelayCounts {
 // Threads: one.
 class RelayEndpoint {
  public:
-  static constexpr std::size_t kMaxQueued = 16'384;
+  static constexpr std::size_t kMaxQueued = 16'384;  // a choice: 32 MiB at most, and over a second of 10 kHz in one direction
   static constexpr std::size_t kMaxClients = 64;
-  static constexpr std::size_t kMaxBytes = 2048;  // the largest datagram that is forwarded
-  static constexpr std::int64_t kIdleNs = 10'000'000'000;
+  static constexpr std::size_t kMaxBytes = 2048;           // the largest datagram that is forwarded
+  static constexpr std::int64_t kIdleNs = 10'000'000'000;  // a choice: a node sends ten times a second
 
   // Error, one line: bad address, port in use, or a phase of the schedule with invalid faults.
   static Result<RelayEndpoint> open(RelaySettings settings);

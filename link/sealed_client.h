@@ -30,12 +30,14 @@ class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;  // two of the hub's replies are missing (Pre)
   static constexpr std::int64_t kMaxTripNs = 2 * kNanosecondsPerSecond;             // the most that the round trip adds to the timeout
+  // Between two requests, without a session or with a silent hub: shorter finds a hub sooner, and costs the node more key pairs.
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
+  // The same for rekeying, which is not urgent: the old session still works.
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;  // the same as WireGuard's
   // Datagrams: far below the limits of AES-256-GCM, and a bound on how much one key can open. Half an hour at 10 kHz.
   static constexpr std::uint64_t kRekeyAfter = std::uint64_t{1} << 24;
-  static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
+  static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;  // a choice: longer than a datagram is under way
 
   struct Options {
     std::uint64_t host = find_host_id();  // names the clock that timestamps are read from

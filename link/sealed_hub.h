@@ -18,7 +18,7 @@ namespace hapton {
 
 // The hub's sealed connections to its nodes: each address that has agreed on a session has its own keys; datagrams to it are sealed with
 // them, and receive() returns only datagrams that they open.
-//   junk       A sender without a key gets no reply and no slot; its datagram costs a look at four bytes, or a hash. The same applies to
+//   rejection  A sender without a key gets no reply and no slot; its datagram costs a check of four bytes, or a hash. The same applies to
 //              a recorded handshake that is sent again: its time must be later than all others of its host and role
 //              (handshake_times.h). Each rejection is counted, and the worst flood of them is reported (take_flood).
 //   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role separately.

@@ -62,7 +62,7 @@ struct CycleLocal {
 // One cycle of the servo, noted at its end. Forces: N, frame W.
 struct CycleNote {
   std::uint64_t sample = 0;
-  std::int64_t late_ns = 0;
+  std::int64_t late_ns = 0;        // from its tick until it began
   Vec3 written_n = Vec3::Zero();   // force on the motors
   Vec3 written_nm = Vec3::Zero();  // torque on the motors
   std::uint32_t missed = 0;        // cycles left out before this one

@@ -16,7 +16,7 @@ struct SettingsChange {
   double rate_hz = 0.0;          // of the servo
   std::string method = {};       // as `haptics_node --method`; "plugin": the plug-in that it was started with
   std::string object = {};       // name in the scene of the object whose material changes; empty: all objects
-  MaterialChange material = {};  // given == 0: none
+  MaterialChange material = {};  // fields == 0: none
   bool writes_report = false;    // io_node writes its report now
   bool resets_faults = false;    // needs an operator's key
 };

@@ -37,7 +37,7 @@ inline std::int32_t read_object(std::uint32_t touched) {
 
 inline bool is_wire_vector(const Vec3& v) { return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude; }
 
-constexpr double kUnitTolerance = 1e-3;
+constexpr double kUnitTolerance = 1e-3;  // as proto/hapton.proto states
 // False for NaN as well.
 inline bool is_wire_rotation(const Quat& q) { return std::abs(q.norm() - 1.0) <= kUnitTolerance; }
 

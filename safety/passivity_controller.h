@@ -8,7 +8,8 @@ namespace hapton {
 // whatever the wall's stiffness, the delay and the losses in between. The SafetyGovernor runs it after a call of keep_passive().
 //
 //   observer     given += mean force on the motors since the last sample . motion since then. This is exact for a force that is held.
-//                given -= what the device's own damping and friction dissipate; a wall that is passive by b > K T / 2 is left as it is.
+//                given -= what the device's own damping and friction dissipate. So a wall of stiffness K that the damping b makes passive
+//                (b > K T / 2, T: the period) is left as it is.
 //                given += half an encoder step . change of force: a position that is rounded may hide this much.
 //                -given is the energy that the hand has put in and not got back: the credit.
 //   controller   in one period T a force f along the motion of a free mass m at velocity v gives f (v T + f T^2 / 2 m). The largest f that

@@ -70,7 +70,7 @@ TEST(BareEchoEndpoint, IgnoresWhatIsNoRequest) {
     EXPECT_TRUE(echo->serve_one());
   }
   EXPECT_EQ(echo->served(), 0U);
-  EXPECT_EQ(echo->passed_over(), 4U);
+  EXPECT_EQ(echo->ignored(), 4U);
   std::vector<std::byte> in(kMaxDatagramBytes);
   EXPECT_EQ((*endpoint)->receive(in, 0).bytes, 0U);
 }

@@ -40,7 +40,7 @@ int run(const EchoOptions& options) {
   while (!stop.stop_requested() && (options.seconds <= 0.0 || static_cast<double>(clock.now_ns()) < end_ns)) {
     echo->serve_one();
   }
-  fmt::print("{} datagrams returned, {} others ignored\n", echo->served(), echo->passed_over());
+  fmt::print("{} datagrams returned, {} others ignored\n", echo->served(), echo->ignored());
   return 0;
 }
 
