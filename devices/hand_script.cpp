@@ -105,7 +105,7 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     case Phase::slide:
       tangent_ = Vec3(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
-      rub_m_per_s_ = uniform(0.04, 0.10);
+      slide_m_per_s_ = uniform(0.04, 0.10);
       phase_end_s_ = uniform(0.6, 1.2);
       break;
     case Phase::tap:
@@ -116,8 +116,8 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     case Phase::circle: {
       const double radius_m = uniform(0.004, 0.012);
-      rub_m_per_s_ = uniform(0.03, 0.08);
-      turn_rad_per_s_ = rub_m_per_s_ / radius_m;
+      slide_m_per_s_ = uniform(0.03, 0.08);
+      turn_rad_per_s_ = slide_m_per_s_ / radius_m;
       phase_end_s_ = 2.0 * std::numbers::pi / turn_rad_per_s_ * uniform(1.0, 2.0);
       break;
     }
@@ -192,9 +192,9 @@ void HandScript::turn_tangent(double angle_rad) noexcept {
 }
 
 // Slides along the surface (in Phase::press: stays) and keeps the force at press_n_.
-void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
+void HandScript::follow_surface(const Vec3& p_WD, double turn_rad_per_s) noexcept {
   turn_tangent(turn_rad_per_s * kStepS);
-  const double speed = phase_ == Phase::press ? 0.0 : rub_m_per_s_;
+  const double speed = phase_ == Phase::press ? 0.0 : slide_m_per_s_;
   hand_m_ += kStepS * (speed * tangent_ + kGripGain * (filtered_force_n_.norm() - press_n_) * normal_);
   const Vec3 pull = hand_m_ - p_WD;
   const double pull_m = pull.norm();
@@ -234,12 +234,12 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
       return enter(Phase::leave);
     }
     case Phase::press:
-      rub(p_WD, 0.0);
+      follow_surface(p_WD, 0.0);
       if (contact_lost_s_ > kLostS) return enter(Phase::leave);
       if (is_phase_over) enter(Phase::slide);
       return;
     case Phase::slide:
-      rub(p_WD, 0.0);
+      follow_surface(p_WD, 0.0);
       if (contact_lost_s_ > kLostS) return enter(Phase::leave);
       if (is_phase_over) enter(Phase::tap);
       return;
@@ -248,7 +248,7 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
       if (taps_left_ <= 0 || is_phase_over) enter(Phase::circle);
       return;
     case Phase::circle:
-      rub(p_WD, turn_rad_per_s_);
+      follow_surface(p_WD, turn_rad_per_s_);
       if (contact_lost_s_ > kLostS || is_phase_over) enter(Phase::leave);
       return;
     case Phase::leave:

@@ -67,7 +67,7 @@ class HandScript {
   void follow_path() noexcept;
   void choose_aim() noexcept;
   bool move_towards(const Vec3& goal, double speed_m_per_s) noexcept;
-  void rub(const Vec3& p_WD, double turn_rad_per_s) noexcept;
+  void follow_surface(const Vec3& p_WD, double turn_rad_per_s) noexcept;
   void turn_tangent(double angle_rad) noexcept;
   void tap(const Vec3& p_WD) noexcept;
   void advance_phase(const Vec3& p_WD) noexcept;
@@ -90,7 +90,7 @@ class HandScript {
   std::array<Vec3, kMaxAims> aims_m_;
   std::size_t aim_count_ = 0;
   double press_n_ = 1.0;
-  double rub_m_per_s_ = 0.08;
+  double slide_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
   double contact_lost_s_ = 0.0;    // time since the last contact
   double search_share_ = 0.3;      // how far from the middle the hand searches: not metres, a share of half the workspace

@@ -24,7 +24,7 @@ class ReplayDevice final : public Device {
 
   // Twice WorkspaceStop::kMarginM: no part of the recording is where the governor fades forces.
   static constexpr double kMarginM = 0.02;
-  static constexpr double kSeamM = 0.001;  // a larger step from the last row to the first is a jump
+  static constexpr double kSeamM = 0.001;  // a larger step from the last row to the first is a jump; a choice
 
   // Pre: rows as read_trajectory_csv gives them (at least one, times rising).
   ReplayDevice(std::vector<TrajectoryRow> rows, const Options& options);
@@ -50,7 +50,7 @@ class ReplayDevice final : public Device {
   double loop_s_ = 0.0;         // length of one round of a loop
   std::size_t row_ = 0;         // the last row that the last read had reached
   double played_to_s_ = 0.0;
-  std::int64_t zero_ns_ = -1;
+  std::int64_t zero_ns_ = -1;  // time of the first read; below 0: not read yet
 };
 
 }  // namespace hapton

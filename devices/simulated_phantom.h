@@ -77,8 +77,8 @@ class SimulatedPhantom final : public Device {
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::uint32_t buttons_ = 0;          // buttons that the path holds down
-  std::uint32_t pressed_buttons_ = 0;  // buttons that the lead holds down (press_hand_buttons)
-  Vec3 turn_goal_rad_ = Vec3::Zero();  // the turn that the lead wants (turn_hand)
+  std::uint32_t pressed_buttons_ = 0;  // buttons held down by press_hand_buttons
+  Vec3 turn_goal_rad_ = Vec3::Zero();  // the turn set by turn_hand
   Vec3 turn_rad_ = Vec3::Zero();       // the present turn, on the way to that goal
   std::optional<Quat> q_WH_;           // on a path that has orientations, in place of the gimbals
   bool has_torque_;

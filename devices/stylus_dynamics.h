@@ -14,7 +14,7 @@ namespace hapton {
 //   m x''  = u - b_d x' - k_s (x - y) - b_s (x' - y') - f_c sign(x')
 //   M y''  = k_s (x - y) + b_s (x' - y') - k_h (y - h) - b_h (y' - h')
 //
-// The encoders sit on the motors, so x is the position a program reads. k_s is the memo's "constrained, small amplitude
+// The encoders sit on the motors, so x is the position a program reads. k_s is the HP memo's "constrained, small amplitude
 // mechanical bandwidth" of 30 Hz: with the stylus held still the device mass rings at sqrt(k_s / m) = 2 pi 30 Hz and passes no
 // faster force on. 70 g give k_s = 2.5 N/mm; the Premium 1.5 data sheet says 3.5 N/mm, 34 Hz: the same machine.
 // Friction and mass are from that data sheet (0.04 N; below 75 g: here 70 g at the motors and 5 g of stylus). b_s has no source; it is a

@@ -28,7 +28,7 @@ constexpr std::size_t kNamesBytes = 58;
 // Feature report 3. SI units, frame W.
 struct Limits {
   bool has_orientation = false;
-  bool knows_held = false;
+  bool knows_held = false;  // the device senses whether a hand holds it
   bool has_torque = false;
   int buttons = 0;
   int rate_hz = 0;
@@ -59,7 +59,7 @@ struct State {
   bool is_calibrated = false;
   bool is_on = false;  // the motors are on
   bool is_held = false;
-  bool has_tripped = false;  // the device's watchdog has: the motors stay off until they are commanded off
+  bool has_tripped = false;  // the device's watchdog has tripped: the motors stay off until they are commanded off
   bool is_hot = false;
   bool has_fault = false;
   std::uint16_t sequence = 0;

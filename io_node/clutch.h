@@ -20,8 +20,8 @@ class Clutch {
  public:
   static constexpr double kFadeOutS = 0.01;  // as in the governor: kLongestReleaseNs
   static constexpr double kFadeInS = 0.1;    // as in the governor: kRampNs (ramp_up.h)
-  static constexpr double kLongestStepS =
-      0.01;  // a longer time between two samples counts as this, so that the force returns slowly after a stall
+  // A longer time between two samples counts as this, so that the force returns slowly after a stall.
+  static constexpr double kLongestStepS = 0.01;
 
   // button: its bit in DeviceSample::buttons; 0: there is no clutch, and samples are not changed at all.
   explicit Clutch(std::uint32_t button = 0) noexcept : button_(button) {}

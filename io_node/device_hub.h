@@ -35,7 +35,8 @@ class DeviceHub {
   // After run(): its device stopped replying for good. run() has latched this for the next start, in case a signal ends this process while
   // other hubs run on: then systemd starts it again.
   bool has_device_failed() const;
-  // At the end of a process whose exit code says that, so that the next start is a person's: the next start has a force again.
+  // Removes that latch. To be called when the exit code of the process reports the failure: systemd does not restart it then, so a person
+  // makes the next start, and it may have a force.
   void forget_device_failure();
 
  private:

@@ -225,7 +225,7 @@ void DeviceLoop::apply_requests() noexcept {
   } else if (is_reset_if_held) {
     ++stats_.resets_denied;
   }
-  if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.figures();
+  if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.stats();
   if (std::exchange(stats_serial_, requests.stats_serial) != requests.stats_serial) stats_copies_.publish(collect_stats());
 }
 
@@ -234,7 +234,7 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   stats_.cuts = cuts_.load(std::memory_order_relaxed);
   stats_.condition = device_.condition();
   // The command timeout at the end of a session is intended and not counted.
-  if (!is_finished_) stats_.governor = governor_.figures();
+  if (!is_finished_) stats_.governor = governor_.stats();
   return stats_;
 }
 
@@ -302,7 +302,7 @@ void DeviceLoop::publish_side() noexcept {
   DeviceSide& side = sides_.draft();
   side.written = written_;
   side.status = status();
-  side.governor = governor_.figures();
+  side.governor = governor_.stats();
   side.has_timed_out = governor_.has_timed_out();
   side.is_energy_gone = governor_.is_energy_gone();
   side.is_switch_held = governor_.is_switch_held();

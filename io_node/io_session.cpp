@@ -246,7 +246,7 @@ void IoSession::watch_scheduling(bool is_due) {
   network_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
   if (scheduling_monitor_.has_come_near_throttling()) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
-                100.0 * scheduling_monitor_.figures().realtime_share);
+                100.0 * scheduling_monitor_.stats().realtime_share);
   }
 }
 
@@ -293,7 +293,7 @@ Result<void> IoSession::serve_requests(const ServoStats& stats) {
   const bool fills_server = std::exchange(server_wants_report_, false);
   const bool fills_metrics = std::exchange(metrics_requested_, false);
   if (fills_server || fills_metrics) {
-    const LatencyReport report = make_io_report(stats, options_, realtime_, scheduling_monitor_.figures());
+    const LatencyReport report = make_io_report(stats, options_, realtime_, scheduling_monitor_.stats());
     if (fills_server) report_server_->publish(to_json(report), to_csv(report));
     if (fills_metrics) metrics_->set_text(to_prometheus(report));
   }
@@ -321,13 +321,13 @@ void IoSession::keep_latch(const ServoEvent& event) {
 }
 
 std::string IoSession::described(const ServoStats& stats) const {
-  const std::string run = describe_run(stats, scheduling_monitor_.figures());
+  const std::string run = describe_run(stats, scheduling_monitor_.stats());
   return options_.name.empty() ? run : fmt::format("--- {}\n{}", options_.name, run);
 }
 
 Result<void> IoSession::write_report_of(const ServoStats& stats) {
   if (options_.out.empty()) return {};
-  return write_report(make_io_report(stats, options_, realtime_, scheduling_monitor_.figures()), options_.out);
+  return write_report(make_io_report(stats, options_, realtime_, scheduling_monitor_.stats()), options_.out);
 }
 
 }  // namespace hapton

@@ -9,9 +9,9 @@
 namespace hapton {
 
 // Keeps the latched fault of a device in a file, so that a restart of the program, by a person or by systemd, does not reset it. The reset
-// removes the file, and so do the next boot, a stop of the systemd unit and the user's last logout (find_runtime_folder); that of the fault
-// `device` also the end of a program in which the device failed, unless a signal ends it. A file that cannot be understood counts as `position`: a fault was
-// latched, and which one is unknown. RT: no. Threads: one.
+// removes the file, and so do the next boot, a stop of the systemd unit and the user's last logout (find_runtime_folder). A program in
+// which the device failed removes the file of the fault `device` at its end, unless a signal ends it. A file that cannot be understood
+// counts as `position`: a fault was latched, and which one is unknown. RT: no. Threads: one.
 class LatchFile {
  public:
   // An empty path keeps nothing.

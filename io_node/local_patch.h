@@ -36,7 +36,8 @@ struct PatchOrders {
   std::uint32_t clear_count = 0;
 };
 
-// Computes the force from patches of the scene, in the device's own thread. A thread builds the patches; they go back to it to be freed.
+// Computes the force from patches of the scene, in the device's own thread. The patch thread builds the patches; they go back to it to be
+// freed. Each body of the scene has patches of its own, in a link of the PatchChain: link is the body's number.
 //
 // Scene time, if the scene moves: until a patch reaches the hand, that of a sample is the scene time of the newest remote force plus the
 // time since. From then on it advances with the samples here, as in the haptics node: a gap counts as at most kMaxSceneStepNs, and while no
@@ -65,7 +66,7 @@ class LocalPatch final : public LocalTouch {
   }
 
   // --- the patch thread
-  // Sets hand to its newest place in the frame of a link (PatchChain). False: none has come since the last call.
+  // Sets hand to its newest place in the frame of a link. False: none has come since the last call.
   bool read_hand_state(PatchHandState& hand, std::size_t link = 0) noexcept;
   // Replaces a patch of this link that was not taken yet. Pre: the bodies of its generation were offered before.
   void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(offered_patches_[link], std::move(patch)); }

@@ -12,7 +12,7 @@ void MarkerLog::accept(const Marker& marker, const PeerEvent& event, std::uint64
   const bool is_new = known == source.replies.end();
   if (!source.markers.take(now_ns)) {
     stats_.markers_rejected += is_new ? 1 : 0;
-    if (!source.refusals.take(now_ns)) return;
+    if (!source.rejections.take(now_ns)) return;
     peers_.send_to(event.peer, is_new ? MarkerReply{marker.request, sample, MarkerStatus::too_many} : *known);
     return;
   }

@@ -19,8 +19,8 @@ class MarkerLog {
   // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.
   static constexpr std::int64_t kPerSecond = 50;
   static constexpr std::int64_t kBurst = 100;
-  static constexpr std::size_t kRememberedReplies =
-      16;  // replies kept for each node, so that a request that is repeated gets the same reply
+  // Replies kept for each node, so that a request that is repeated gets the same reply.
+  static constexpr std::size_t kRememberedReplies = 16;
 
   // Pre: all outlive this; tap may be null.
   MarkerLog(HubPeers& peers, ServoTap* tap, ServoStats& stats) noexcept : peers_(peers), tap_(tap), stats_(stats) {}
@@ -35,7 +35,7 @@ class MarkerLog {
     std::array<MarkerReply, kRememberedReplies> replies = {};  // a ring
     std::size_t count = 0;
     TokenBucket markers{kPerSecond, kBurst};
-    TokenBucket refusals{10, 10};  // replies to markers beyond the limit
+    TokenBucket rejections{10, 10};  // replies to markers beyond the limit
   };
 
   MarkerReply record(const Marker& marker, NodeRole role, std::uint64_t sample, std::int64_t now_ns) noexcept;

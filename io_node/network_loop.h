@@ -67,7 +67,7 @@ class NetworkLoop final : private PeerEventHandler {
   // Pre: all outlive this; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
   NetworkLoop(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr,
               ServoTap* tap = nullptr);
-  // The hub sends its farewells after this, when the tap may be gone.
+  // The hub sends its Byes after this, when the tap may be gone.
   ~NetworkLoop() { peers_.set_tap(nullptr); }
 
   // Set up before start. Pre: each outlives this.

@@ -29,10 +29,10 @@ namespace hapton {
 // the hub's clock. RT: yes. Threads: the network side's.
 class PatchLink {
  public:
-  // A choice: touch outlasts a silence of the network of this length, and a force from a scene that nobody owns lasts no longer.
+  // A choice: the force outlasts a silence of the network of this length, and no longer: the haptics node may be gone.
   static constexpr std::int64_t kMaxSilenceNs = 1000 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;  // several times what a patch needs to catch up with the hand
+  static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;  // between two statuses without news
+  static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;   // several times what a patch needs to catch up with the hand
   static constexpr std::int64_t kMinStatusNs = 50 * kNanosecondsPerMillisecond;  // between two statuses when there is news
 
   // Pre: all outlive this.
@@ -89,8 +89,8 @@ class PatchLink {
   bool was_local_ = false;                 // the force of the cycle before came from a patch
   std::int64_t probe_noted_ns_ = 0;        // when the device side got the probe's position
   bool has_news_ = false;
-  std::int64_t last_status_ns_ = 0;            // time of the last status
-  std::int64_t next_round_trip_check_ns_ = 0;  // of the round trip
+  std::int64_t last_status_ns_ = 0;  // time of the last status
+  std::int64_t next_round_trip_check_ns_ = 0;
   double round_trip_s_ = -1.0;
 };
 

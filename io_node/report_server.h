@@ -35,7 +35,7 @@ class ReportServer {
   };
   struct Waiting {
     ReportRequest request;
-    std::uint32_t newer_than = 0;
+    std::uint32_t newer_than = 0;  // for a request of a new report: the newest revision when it was received
   };
 
   bool reply(HubPeers& peers, std::size_t peer) noexcept;

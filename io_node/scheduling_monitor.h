@@ -36,7 +36,7 @@ class SchedulingMonitor {
   // usage, spun_ns: totals of the loop's threads so far. Returns the largest share of a period that the loop may spin from now on.
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
 
-  const SchedulingStats& figures() const { return figures_; }
+  const SchedulingStats& stats() const { return stats_; }
   // Whether the last update() was the first that found the loop near the kernel's limit.
   bool has_come_near_throttling() const { return has_come_near_; }
 
@@ -50,7 +50,7 @@ class SchedulingMonitor {
   double requested_spin_share_;
   std::optional<Reading> first_;
   std::optional<Reading> last_;
-  SchedulingStats figures_;
+  SchedulingStats stats_;
   bool has_come_near_ = false;
 };
 

@@ -54,9 +54,9 @@ struct ServoStats {
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
   std::uint64_t probe_states_unchanged = 0;  // due, but not sent, as nothing had changed
-  std::uint64_t drawn = 0;
+  std::uint64_t drawn = 0;                   // frames that vision nodes acknowledged
   std::uint64_t views_forwarded = 0;
-  std::uint64_t bad_settings = 0;
+  std::uint64_t bad_settings = 0;          // Settings with a servo rate out of range
   std::uint64_t markers = 0;               // recorded
   std::uint64_t markers_rejected = 0;      // sent, but not recorded
   std::uint64_t shape_parts_rejected = 0;  // parts of shapes of objects beyond the limits of RequestHandler
@@ -65,7 +65,7 @@ struct ServoStats {
   double frame_rate_hz = 0.0;              // as last reported by a vision node
   double max_force_n = 0.0;                // written to the device
   double max_torque_nm = 0.0;              // written to the device
-  std::int64_t longest_release_ns = 0;     // of all silences: sample of the last force accepted -> zero force on the device
+  std::int64_t longest_release_ns = 0;     // over all command timeouts: sample of the last accepted force -> zero force on the device
   std::uint64_t cuts = 0;                  // times the device side cut the device, as the network side was stuck in the middle of a write
   std::uint64_t local_forces = 0;          // computed on the device side, from patches of the scene
   PatchThreadCounts patch_thread;

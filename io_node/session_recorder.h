@@ -40,8 +40,8 @@ class SessionRecorder final : public ServoTap {
     std::filesystem::path record = {};         // empty: no file of the whole session
     std::filesystem::path flight_folder = {};  // empty: no flight records
     std::size_t ring_bytes = kRingBytes;
-    bool makes_flight_folder =
-        true;  // start() makes the folder, so that a failure is reported early; false: the first flight record makes it
+    // start() makes the folder, so that a failure is reported early; false: the first flight record makes it.
+    bool makes_flight_folder = true;
   };
   struct Counts {
     std::uint64_t entries = 0;  // entries that reached the writing thread

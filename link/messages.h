@@ -77,8 +77,8 @@ struct ForceCommand {
   std::uint32_t shape_serial = 0;  // of the newest ShapeStart that this force was computed with
   // The push on `object`. None: the stylus holds no rigid tool, or programs move nothing; so a push does not mean contact.
   std::optional<ObjectPush> push = {};
-  std::optional<std::uint32_t> haptons =
-      {};  // pairs of triangles of a rigid tool in contact (HP memo, section 5); none: no tool can be held
+  // Pairs of triangles of a rigid tool in contact (HP memo, section 5); none: no tool can be held.
+  std::optional<std::uint32_t> haptons = {};
   // Proxy minus device point, in a scene with layers, where a needle is drawn elsewhere. None: the same as visual_offset_m. A value does
   // not mean contact.
   std::optional<Vec3> held_offset_m = {};

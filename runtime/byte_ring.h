@@ -65,8 +65,8 @@ class ByteRing {
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  static constexpr std::size_t kPrefix = 8;
-  static constexpr std::uint32_t kSkip = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::size_t kPrefix = 8;  // bytes before a record: its size, padded so that every record begins at a multiple of 8
+  static constexpr std::uint32_t kSkip = std::numeric_limits<std::uint32_t>::max();  // as a size: the next record is at the beginning
 
   static std::size_t padded(std::size_t size) noexcept { return (size + kPrefix - 1) / kPrefix * kPrefix; }
   std::size_t offset_of(std::size_t position) const noexcept { return position & (bytes_.size() - 1); }

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// One step of a recorded or planned motion. Frame W, metres, seconds; q_WT is of unit length.
+// One step of a recorded or planned motion, of the device point D and the stylus T. Frame W, metres, seconds; q_WT is of unit length.
 struct TrajectoryRow {
   double t_s = 0.0;
   Vec3 p_WD = Vec3::Zero();

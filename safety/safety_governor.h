@@ -125,10 +125,11 @@ class SafetyGovernor {
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
   double passivity_given_j() const noexcept { return passivity_ ? passivity_->given_j() : 0.0; }
   bool is_energy_gone() const noexcept { return energy_.share(limits().max_force_n) == 0.0; }
-  GovernorStats figures() const noexcept {
+  GovernorStats stats() const noexcept {
     return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n), passivity_given_j()};
   }
   double speed_m_per_s() const noexcept { return motion_.speed_m_per_s(); }
+  // The largest damping that the stages use: as much as the device renders stably.
   double most_damping_n_s_per_m() const noexcept;
 
  private:

@@ -11,7 +11,8 @@ namespace hapton {
 // RT: yes.
 class WorkspaceStop {
  public:
-  // The fade is a spring of max_force / kMarginM, 845 N/m for a PHANToM Model A: much shorter is above the 1000 N/m that it can render.
+  // The fade acts like a spring of max_force / kMarginM, 845 N/m for a PHANToM Model A. A much shorter one would be stiffer than the
+  // 1000 N/m that this device can render.
   static constexpr double kMarginM = 0.010;
 
   // Share of a force along +axis (outward 1) or -axis (-1) that remains at p_WD: 1 inside, 0 at the end and beyond.

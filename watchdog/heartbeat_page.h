@@ -21,7 +21,7 @@ enum class CutMeans : std::uint32_t {
 // The page of memory that io_node's device side and the watchdog process share. Each field has one writer; the other side polls it and
 // never waits. Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
 struct HeartbeatPage {
-  static constexpr std::uint64_t kMagic = 0x32647261'75477048;
+  static constexpr std::uint64_t kMagic = 0x32647261'75477048;  // "HpGuard2": identifies the page and its layout
   static constexpr std::size_t kMaxPath = 64;
   static constexpr std::size_t kMaxReport = 128;
 
@@ -45,7 +45,7 @@ struct HeartbeatPage {
   std::atomic<std::uint32_t> is_cut{0};
   std::atomic<std::int64_t> watchdog_beat_ns{0};
   std::atomic<std::uint64_t> cuts{0};
-  std::atomic<std::int64_t> longest_force_ns{0};  // age of a force when it was cut, counted from its sample
+  std::atomic<std::int64_t> longest_force_ns{0};  // largest age of a force when it was cut, counted from its sample
 
   void set_means(CutMeans wanted) noexcept { means.store(wanted, std::memory_order_release); }
 

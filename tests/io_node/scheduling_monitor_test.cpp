@@ -11,17 +11,17 @@ ThreadUsage usage_of(double run_s) { return {.run_s = run_s}; }
 
 TEST(SchedulingMonitor, SplitsTheTimeIntoWorkSpinAndSleep) {
   SchedulingMonitor monitor(0.1, 0.95);
-  EXPECT_FALSE(monitor.figures().is_known);
+  EXPECT_FALSE(monitor.stats().is_known);
   monitor.update({.run_s = 10.0, .waited_s = 1.0, .involuntary_switches = 5, .stolen_s = 2.0}, 7, kSecondNs);
   monitor.update({.run_s = 10.2, .waited_s = 1.01, .involuntary_switches = 8, .stolen_s = 2.5}, 7 + kSecondNs / 20, 2 * kSecondNs);
-  const SchedulingStats& figures = monitor.figures();
-  ASSERT_TRUE(figures.is_known);
-  EXPECT_NEAR(figures.worked_share, 0.15, 1e-9);
-  EXPECT_NEAR(figures.spun_share, 0.05, 1e-9);
-  EXPECT_NEAR(figures.slept_share, 0.8, 1e-9);
-  EXPECT_NEAR(figures.waited_ms, 10.0, 1e-9);
-  EXPECT_EQ(figures.involuntary_switches, 3U);
-  EXPECT_NEAR(figures.stolen_ms, 500.0, 1e-9);
+  const SchedulingStats& stats = monitor.stats();
+  ASSERT_TRUE(stats.is_known);
+  EXPECT_NEAR(stats.worked_share, 0.15, 1e-9);
+  EXPECT_NEAR(stats.spun_share, 0.05, 1e-9);
+  EXPECT_NEAR(stats.slept_share, 0.8, 1e-9);
+  EXPECT_NEAR(stats.waited_ms, 10.0, 1e-9);
+  EXPECT_EQ(stats.involuntary_switches, 3U);
+  EXPECT_NEAR(stats.stolen_ms, 500.0, 1e-9);
 }
 
 TEST(SchedulingMonitor, SpinningGivesWayToWorkAndToTheKernelsLimit) {
@@ -44,13 +44,13 @@ TEST(SchedulingMonitor, CountsWhenThrottlingIsNear) {
   SchedulingMonitor monitor(0.1, 0.5);
   monitor.update(usage_of(0.0), 0, kSecondNs);
   monitor.update(usage_of(0.4), 0, 2 * kSecondNs);
-  EXPECT_EQ(monitor.figures().near_throttling, 0U);
+  EXPECT_EQ(monitor.stats().near_throttling, 0U);
   EXPECT_FALSE(monitor.has_come_near_throttling());
   monitor.update(usage_of(0.89), 0, 3 * kSecondNs);
-  EXPECT_EQ(monitor.figures().near_throttling, 1U);
+  EXPECT_EQ(monitor.stats().near_throttling, 1U);
   EXPECT_TRUE(monitor.has_come_near_throttling());
   monitor.update(usage_of(1.38), 0, 4 * kSecondNs);
-  EXPECT_EQ(monitor.figures().near_throttling, 2U);
+  EXPECT_EQ(monitor.stats().near_throttling, 2U);
   EXPECT_FALSE(monitor.has_come_near_throttling()) << "not for the first time";
 }
 

@@ -261,11 +261,11 @@ TEST(SafetyGovernor, MotorsThatMayNotPushAreColdOrCoolDown) {
   Bench bench(limits);
   bench.governor.forbid_force();
   bench.press(8.0, 10);
-  EXPECT_EQ(bench.governor.figures().thermal_load, 0.0);
+  EXPECT_EQ(bench.governor.stats().thermal_load, 0.0);
   bench.governor.restore_latched_fault(SafetyFault::thermal);
-  EXPECT_NEAR(bench.governor.figures().thermal_load, 1.0, 1e-9);
+  EXPECT_NEAR(bench.governor.stats().thermal_load, 1.0, 1e-9);
   bench.wait(9000);
-  EXPECT_LT(bench.governor.figures().thermal_load, 0.9);
+  EXPECT_LT(bench.governor.stats().thermal_load, 0.9);
 }
 
 TEST(SafetyGovernor, HeatDuringAGapWithoutSamplesLatches) {
