@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kNumbersOfOne = 7;
+constexpr int kNumbersOfOne = 7;  // of one carve: x, y, z of both its ends, its radius
 static_assert(Carves::kMax == 32, "a bit for each entry");
 
 constexpr std::uint32_t bit_of(std::size_t entry) { return std::uint32_t{1} << entry; }

@@ -176,8 +176,7 @@ Result<std::string> find_key_path(const std::string& key_file, const Address& hu
   if (!key_file.empty() || is_loopback(hub)) return key_file;
   return fail(
       "{} reaches beyond this machine, where every node needs a key; make a master key for the hub with hapton keygen FILE, one for each "
-      "role "
-      "with hapton keygen --role ROLE --master FILE, and give --key FILE to every node",
+      "role with hapton keygen --role ROLE --master FILE, and give --key FILE to every node",
       to_string(hub));
 }
 

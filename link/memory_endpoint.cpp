@@ -108,7 +108,7 @@ MemoryNetwork::MemoryNetwork(Clock& clock, const Impairments& impairments) : sta
 Result<std::unique_ptr<Endpoint>> MemoryNetwork::open(const Address& address) {
   Address local = address;
   if (local.port == 0) {
-    local.port = 49152;
+    local.port = 49152;  // the first dynamic port (RFC 6335)
     while (state_->inboxes.contains(key_of(local))) {
       ++local.port;
     }

@@ -36,7 +36,7 @@ bool read_bounds(const Field& field, PatchBody& to) {
 // Reads some of a motion's keyframes: each must be later than the one before. Without motion by keyframes there must be none.
 template <class Field>
 bool read_keys(const Field& field, PatchBody& to) {
-  constexpr int kNumbers = 8;
+  constexpr int kNumbers = 8;  // of one keyframe: time, position, quaternion
   const int count = field.size() / kNumbers;
   if (to.motion != PatchBody::Motion::keyframes) return field.empty() && to.all_keys == 0 && to.first_key == 0;
   if (field.size() % kNumbers != 0 || count == 0 || count > static_cast<int>(to.keys.size())) return false;

@@ -51,7 +51,7 @@ class SequenceTracker {
   std::uint64_t sender_ = 0;
   std::uint64_t previous_sender_ = 0;
   std::uint64_t newest_ = 0;
-  std::uint64_t first_ = 0;
+  std::uint64_t first_ = 0;                      // the number at which counting began
   std::array<std::uint64_t, kWords> seen_ = {};  // bit sequence % kWindow: numbers (newest - kWindow, newest]
 };
 

@@ -23,6 +23,7 @@ constexpr std::size_t kCheckBytes = 5;  // one of tag, four of value
 constexpr char kCheckTag = 0x7D;        // field 15, fixed32
 // No message of Hapton comes near this size; a greater length is damage.
 constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
+constexpr std::size_t kMaxVarint32Bytes = 5;
 
 std::uint32_t check_of(std::string_view bytes) {
   boost::crc_32_type crc;
@@ -57,7 +58,7 @@ Frame find_frame(std::string_view bytes) {
                          static_cast<int>(std::min<std::size_t>(bytes.size(), 2 * kMaxMessageBytes)));
   std::uint32_t length = 0;
   if (!input.ReadVarint32(&length)) {
-    return {{bytes.size() < 5 ? SessionCodec::Status::cut : SessionCodec::Status::damaged, 0}, {}};
+    return {{bytes.size() < kMaxVarint32Bytes ? SessionCodec::Status::cut : SessionCodec::Status::damaged, 0}, {}};
   }
   if (length < kCheckBytes || length > kMaxMessageBytes) return {{SessionCodec::Status::damaged, 0}, {}};
   const auto prefix = static_cast<std::size_t>(input.CurrentPosition());

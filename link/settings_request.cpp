@@ -10,10 +10,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;   // chosen, as kTunePatienceNs: as long as a person would wait
+// How long to wait for the confirmation of each request. Choices: as long as a person would wait.
+constexpr std::int64_t kRatePatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
-constexpr std::int64_t kTunePatienceNs = 5 * kNanosecondsPerSecond;
+constexpr std::int64_t kMaterialPatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;  // a datagram may be lost
 
 std::uint32_t make_request_number() { return static_cast<std::uint32_t>(make_random_id()) | 1U; }
@@ -66,7 +67,7 @@ class SettingsTalk {
 // Each welcome of the hub names its present servo rate.
 bool SettingsTalk::confirm_rate(double rate_hz) {
   const auto holds = [&] { return rate_hz == 0.0 || std::abs(client_.servo_rate_hz() - rate_hz) <= 1e-3 * rate_hz; };
-  return repeat_until(kReplyPatienceNs, Settings{.servo_rate_hz = rate_hz}, holds);
+  return repeat_until(kRatePatienceNs, Settings{.servo_rate_hz = rate_hz}, holds);
 }
 
 // Waits for the haptics node's reply to the request for a method.
@@ -92,7 +93,7 @@ Result<std::string> SettingsTalk::confirm_material(const MaterialRequest& reques
     return fail("no haptics node has joined the hub, so nothing can be touched; start haptics_node");
   }
   const auto has_reply = [&] { return materials_ && materials_->request == request.request; };
-  if (!repeat_until(kTunePatienceNs, request, has_reply)) {
+  if (!repeat_until(kMaterialPatienceNs, request, has_reply)) {
     return fail("the haptics node does not confirm the material: another change was requested since, or it is another version of Hapton");
   }
   if (materials_->rejection[0] != '\0') {
@@ -141,9 +142,9 @@ Result<std::string> apply_settings(HubClient& client, const Clock& clock, const 
     text += "; " + *method;
   }
   if (request.material) {
-    const auto tuned = talk.confirm_material(*request.material);
-    if (!tuned) return tuned;
-    text += "; " + *tuned;
+    const auto material = talk.confirm_material(*request.material);
+    if (!material) return material;
+    text += "; " + *material;
   }
   return text;
 }

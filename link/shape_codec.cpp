@@ -14,7 +14,7 @@ namespace hapton {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the numbers on the wire are those of the machine");
-constexpr std::size_t kBytesOfOne = sizeof(ShapePart::Displacement);
+constexpr std::size_t kBytesOfOne = sizeof(ShapePart::Displacement);  // of the displacement of one vertex
 static_assert(kBytesOfOne == 12);
 
 template <class Message>

@@ -26,6 +26,7 @@ constexpr int kMaxAcceptsAtOnce = 8;                  // so that neither new con
 constexpr int kMaxDatagramsAtOnce = 64;
 constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of the waiting data: older data is of no use
 constexpr int kTriesForAPort = 32;            // to find one that is free for TCP and UDP
+constexpr std::size_t kFirstConnection = 3;   // index in polled_: after waker, listening socket and datagrams
 
 std::int64_t monotonic_ns() {
   timespec now = {};
@@ -236,7 +237,7 @@ void SocketStreams::wait(std::int64_t deadline_ns, Listener& listener) {
     std::uint64_t count = 0;
     [[maybe_unused]] const ssize_t read = ::read(waker_.get(), &count, sizeof count);
   }
-  for (std::size_t place = 0; place < known; ++place) serve(place, polled_[3 + place].revents, listener);
+  for (std::size_t place = 0; place < known; ++place) serve(place, polled_[kFirstConnection + place].revents, listener);
   if (polled_[1].revents != 0) accept_some(listener);
   if (polled_[2].revents != 0) receive_datagrams(listener);
   forget_closed(listener);

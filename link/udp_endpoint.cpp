@@ -35,7 +35,7 @@ constexpr std::int64_t kBlockingNs = 8'000'000;
 constexpr std::int64_t kFarNs = 20'000'000;
 // Foreign datagrams that one receive skips after its deadline, so that a flood cannot hold it up.
 constexpr int kMaxPassedOver = 64;
-constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
+constexpr int kReceiveBufferBytes = 1 << 20;  // a choice: how much a node that was paused can still read
 
 std::int64_t monotonic_ns() {
   timespec now = {};
