@@ -46,7 +46,7 @@ class Parser {
  public:
   Parser(std::string_view text, const std::string& name) : rest_(text), name_(name) {
     if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
-    rows_.reserve(rest_.size() / 48);
+    rows_.reserve(rest_.size() / 48);  // about the bytes of a short row: too few rows only cost a second allocation
   }
 
   Result<std::vector<TrajectoryRow>> parse() {

@@ -13,9 +13,10 @@ namespace {
 // Small enough that a difference of two times cannot overflow.
 constexpr std::int64_t kLatestNs = std::int64_t{1} << 62;
 
-// The largest damping, from the device's largest stiffness: B = K x 2 ms stays passive with room to spare at 1 kHz (Colgate and Brown,
-// "Factors affecting the Z-width of a haptic display", 1994: virtual damping must stay below the device's own). If that stiffness is not
-// known, the damping is such that its force reaches max_force at 1 m/s.
+// The largest damping is this times the device's largest stiffness: 2 N s/m for 1,000 N/m. A choice: far below mass / period (70 N s/m for
+// 70 g at 1 kHz), with which the force of one period would stop the mass. It is above the device's own damping, up to which passivity is
+// certain (Colgate and Brown, "Factors affecting the Z-width of a haptic display", 1994). If that stiffness is not known, the damping is
+// such that its force reaches max_force at 1 m/s.
 constexpr double kDampingS = 0.002;
 
 // A motor temperature (DeviceCondition::motor_temperature) of kTooHot or more is a fault. It can be reset when the temperature and the load

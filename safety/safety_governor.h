@@ -129,7 +129,7 @@ class SafetyGovernor {
     return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n), passivity_given_j()};
   }
   double speed_m_per_s() const noexcept { return motion_.speed_m_per_s(); }
-  // The largest damping that the stages use: as much as the device renders stably.
+  // The largest damping that the stages use, from the device's own limits.
   double most_damping_n_s_per_m() const noexcept;
 
  private:

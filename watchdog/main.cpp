@@ -29,7 +29,7 @@ using namespace hapton;
 
 // Number of cuts after io_node has ended, one check period apart: it may have had one more force in transit.
 constexpr int kCutsAfterEnd = 3;
-// Runtime of SCHED_DEADLINE in each period.
+// Runtime of SCHED_DEADLINE in each period: far more than a check and a cut need, and little of a CPU. A choice.
 constexpr std::int64_t kRuntimeNs = 100'000;
 constexpr std::int64_t kPeriodNs = 1'000'000;
 
@@ -107,7 +107,7 @@ void cut_after_end(HeartbeatPage& page) {
 
 int main(int argc, char** argv) {
   const std::string_view first = argc > 1 ? argv[1] : "";
-  const int number = argc > 1 ? std::atoi(argv[1]) : 0;
+  const int io_node_pid = argc > 1 ? std::atoi(argv[1]) : 0;
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
     print_text(
@@ -118,20 +118,20 @@ int main(int argc, char** argv) {
     return 0;
   }
   HeartbeatMemory memory;
-  if (const auto opened = memory.open(kHeartbeatFile); !opened || number <= 0) {
+  if (const auto opened = memory.open(kHeartbeatFile); !opened || io_node_pid <= 0) {
     print_text(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // This process must outlive io_node briefly: it ignores the signals that end io_node's unit or terminal, SIGPIPE, because its stderr may
   // be closed, and SIGABRT, which systemd sends to a unit that hangs.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
-  WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, number, 0))};
-  if (::getppid() != number) {  // io_node has ended already, and its number may be another process's
+  WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, io_node_pid, 0))};
+  if (::getppid() != io_node_pid) {  // io_node has ended already, and its id may be another process's
     if (memory.page().force_sample_ns.load() != 0) cut_after_end(memory.page());
     return 0;
   }
   if (process.file < 0) {
-    print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", number, std::strerror(errno));
+    print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", io_node_pid, std::strerror(errno));
     return 2;
   }
   // Both ignore whether they got their scheduling: io_node has the same rights, and logs what its own threads did not get.
