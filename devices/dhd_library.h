@@ -29,6 +29,8 @@ constexpr int kFalcon = 60;
 // Time without a force after which the watchdog of the firmware turns the motors off, in units of 125 us.
 constexpr unsigned char kWatchdogUnits = 255;  // 31.9 ms, its maximum; a servo at 250 Hz needs 4 ms
 
+// Values of kStatusForceOffCause that latch in the firmware until the program enables the force again.
+constexpr int kOffByVelocityThreshold = 2, kOffByWatchdog = 3;
 // Why the firmware released the force, for a log line: "its force button", "the arm moved faster than its velocity threshold", ...
 std::string_view name_of_force_off_cause(int cause);
 

@@ -19,14 +19,15 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
-constexpr int kTicksPerStatusCheck =
-    100;  // 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer
+// 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer.
+constexpr int kTicksPerStatusCheck = 100;
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kLogPeriodNs = 10 * kNanosecondsPerSecond;  // between two log lines about the same state
 constexpr int kMaxFailuresInARow = 10;                             // failed calls; so many lost USB packets mean an unplugged cable
 // These values are our choice, see docs/vendor-devices.md.
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
+constexpr double kMaxStiffnessNPerM = 2000.0;
 
 // The device's axes are x towards the user, y right, z up.
 Vec3 to_w(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
@@ -136,7 +137,7 @@ Result<void> ForceDimensionDevice::open() {
     serial_ = read_serial();
     limits_ = {.max_force_n = system.max_force_n,
                .max_slew_n_per_s = system.max_force_n / kForceRiseS,
-               .max_stiffness_n_per_m = 2000.0,
+               .max_stiffness_n_per_m = kMaxStiffnessNPerM,
                .workspace_min_m = -system.half_workspace_m,
                .workspace_max_m = system.half_workspace_m,
                .max_torque_nm = system.max_torque_nm,
@@ -294,8 +295,9 @@ void ForceDimensionDevice::check_status(std::int64_t now_ns) {
     log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,
                 status[dhd::kStatusPower] == 0 ? "its power is off" : dhd::name_of_force_off_cause(status[dhd::kStatusForceOffCause]));
   }
-  // Cut-offs by the velocity threshold and the watchdog latch in the firmware: ends them. The force button is the user's to press.
-  if (status[dhd::kStatusForceOffCause] == 2 || status[dhd::kStatusForceOffCause] == 3) dhd_.enable_force(1, id_);
+  // Ends a cut-off that the firmware has latched. The force button is the user's to press.
+  const int cause = status[dhd::kStatusForceOffCause];
+  if (cause == dhd::kOffByVelocityThreshold || cause == dhd::kOffByWatchdog) dhd_.enable_force(1, id_);
 }
 
 void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why) {

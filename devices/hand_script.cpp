@@ -183,6 +183,7 @@ void HandScript::turn_tangent(double angle_rad) noexcept {
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
   const Vec3 out = (hand_m_ - middle).cwiseQuotient(half);
   tangent_ = Eigen::AngleAxisd(angle_rad, normal_) * tangent_;
+  // Near the end of the workspace the hand turns back.
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(out[axis]) > 0.85 && out[axis] * tangent_[axis] > 0.0) tangent_[axis] = -tangent_[axis];
   }
@@ -265,6 +266,7 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 
 HandIntention HandScript::intention() noexcept {
   hand_m_ = within_workspace(hand_m_);
+  // A slow tilt: amplitudes in rad, and frequencies in Hz without a short common period. Choices.
   const double turn = 2.0 * std::numbers::pi * tilt_time_s_;
   HandIntention next{hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
   if (phase_ == Phase::path && has_orientations_) next.q_WT = turn_of_path();

@@ -29,7 +29,7 @@ DeviceStatus to_status(std::int32_t plugin_status) noexcept {
 
 Vec3 to_vector(const double (&from)[3]) noexcept { return {from[0], from[1], from[2]}; }
 
-// A length slightly off 1 is a rounding error: normalizes. Any other quaternion stays as it is, so that the governor rejects it.
+// A length slightly off 1 is a rounding error, which is removed. Any other quaternion stays as it is, so that the governor rejects it.
 Quat to_orientation(const double (&from)[4]) noexcept {
   const Quat q(from[0], from[1], from[2], from[3]);
   return std::abs(q.squaredNorm() - 1.0) < kQuaternionTolerance ? q.normalized() : q;

@@ -49,8 +49,8 @@ class ReplayDevice final : public Device {
   bool jumps_at_seam_ = false;  // it is repeated, and jumps from its last row to its first
   double loop_s_ = 0.0;         // length of one round of a loop
   std::size_t row_ = 0;         // the last row that the last read had reached
-  double played_to_s_ = 0.0;
-  std::int64_t zero_ns_ = -1;  // time of the first read; below 0: not read yet
+  double played_to_s_ = 0.0;    // time of the trajectory at the last read
+  std::int64_t zero_ns_ = -1;   // time of the first read; below 0: not read yet
 };
 
 }  // namespace hapton

@@ -19,6 +19,7 @@ constexpr int kNearZero = 50;
 constexpr int kMovedCounts = 200;
 constexpr int kStillCounts = 1;               // an encoder between two counts flickers
 constexpr double kMaxMilliamperes = 32767.0;  // of an int16
+constexpr double kLongestGapS = 0.01;         // a longer time between two reports counts as this, so that the ramp does not jump
 
 // B to W: the base's x points to the person, its z up.
 Vec3 to_world(const Vec3& in_base) noexcept { return {in_base.y(), in_base.z(), in_base.x()}; }
@@ -132,7 +133,7 @@ Quat WoodenHapticsBackend::compute_orientation() const noexcept {
 
 // The current for the weight of the arm comes first, so that the arm does not sink when a force needs all the current.
 Vec3 WoodenHapticsBackend::compute_currents_a(const Vec3& force_n, bool is_live, std::int64_t now_ns) noexcept {
-  const double passed_s = std::clamp(1e-9 * static_cast<double>(now_ns - std::exchange(last_encode_ns_, now_ns)), 0.0, 0.01);
+  const double passed_s = std::clamp(1e-9 * static_cast<double>(now_ns - std::exchange(last_encode_ns_, now_ns)), 0.0, kLongestGapS);
   gravity_share_ = is_live && settings_.has_gravity_compensation ? std::min(gravity_share_ + passed_s / kGravityRampS, 1.0) : 0.0;
   if (!is_live || !force_n.allFinite()) return Vec3::Zero();
   const double limit = settings_.max_current_a;

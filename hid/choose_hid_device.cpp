@@ -8,12 +8,12 @@
 namespace hapton {
 namespace {
 
-std::optional<std::size_t> parse_place(std::string_view id) {
-  std::size_t place = 0;
-  const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), place);
-  // Serial numbers may consist of digits too, so only a text of one or two digits is a place.
+std::optional<std::size_t> parse_index(std::string_view id) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), index);
+  // Serial numbers may consist of digits too, so only a text of one or two digits is an index.
   if (error != std::errc() || end != id.data() + id.size() || id.size() > 2) return std::nullopt;
-  return place;
+  return index;
 }
 
 std::string list(const std::vector<HidDescription>& devices) {
@@ -67,7 +67,7 @@ Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices
   const auto named =
       std::find_if(of_kind.begin(), of_kind.end(), [&](const HidDescription& device) { return device.serial == id || device.path == id; });
   if (named != of_kind.end()) return *named;
-  if (const auto place = parse_place(id); place && *place < of_kind.size()) return of_kind[*place];
+  if (const auto index = parse_index(id); index && *index < of_kind.size()) return of_kind[*index];
   return fail("no {} has the serial number, path or place '{}'; plugged in are: {}", to_string(kind), id, list(of_kind));
 }
 

@@ -15,7 +15,8 @@ namespace hapton {
 // The entry of a device in the catalog, found by its ids and by any of its usages; null if it has none. RT: yes.
 const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcept;
 
-// Finds the device of that kind with that id: a serial number, a path ("/dev/hidraw0") or the place among the devices of its kind ("0").
+// Finds the device of that kind with that id: a serial number, the path of its node ("/dev/hidraw0") or its index among the devices of its
+// kind ("0").
 // An empty id: the only device of that kind. Error, one line: none of that kind, none with that id, or several and no id; the last two list
 // the devices. RT: no.
 Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices, HidKind kind, std::string_view id);

@@ -41,7 +41,7 @@ constexpr std::array kCatalog = {
     HidCatalogEntry{0x2988, 0, 0, 0, HidKind::vendor_driver, "3D Systems Touch"},
 };
 
-bool is_it(const HidCatalogEntry& entry, std::uint16_t vid, std::uint16_t pid, std::uint16_t usage_page, std::uint16_t usage) noexcept {
+bool matches(const HidCatalogEntry& entry, std::uint16_t vid, std::uint16_t pid, std::uint16_t usage_page, std::uint16_t usage) noexcept {
   if (entry.vid != 0 && entry.vid != vid) return false;
   if (entry.pid != 0 && entry.pid != pid) return false;
   if (entry.usage_page == 0) return true;
@@ -55,7 +55,7 @@ std::span<const HidCatalogEntry> hid_catalog() noexcept { return kCatalog; }
 
 const HidCatalogEntry* find_in_hid_catalog(std::uint16_t vid, std::uint16_t pid, std::uint16_t usage_page, std::uint16_t usage) noexcept {
   const auto* found = std::find_if(kCatalog.begin(), kCatalog.end(),
-                                   [&](const HidCatalogEntry& entry) { return is_it(entry, vid, pid, usage_page, usage); });
+                                   [&](const HidCatalogEntry& entry) { return matches(entry, vid, pid, usage_page, usage); });
   return found == kCatalog.end() ? nullptr : &*found;
 }
 

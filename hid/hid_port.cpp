@@ -87,9 +87,9 @@ void HidPort::read_until_gone(HidTransport& transport) noexcept {
   while (!ends_.load(std::memory_order_acquire) && !has_write_failed_.load(std::memory_order_acquire)) {
     HidRead read = transport.read(report, kWaitMs);
     std::int64_t now_ns = clock_.now_ns();
-    for (int brought = 1; read.outcome == HidIo::done; ++brought) {
+    for (int reports = 1; read.outcome == HidIo::done; ++reports) {
       listener_.on_report(std::span(report).first(std::min(read.size, report.size())), now_ns);
-      if (brought == kMaxDrained) break;  // before the next read, whose report would be lost
+      if (reports == kMaxDrained) break;  // before the next read, whose report would be lost
       read = transport.read(report, 0);
       now_ns = clock_.now_ns();
     }

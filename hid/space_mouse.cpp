@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint8_t kPushId = 1;
 constexpr std::uint8_t kTurnId = 2;
 constexpr std::uint8_t kButtonsId = 3;
-constexpr std::size_t kThreeAxes = 1 + 6;
-constexpr std::size_t kSixAxes = 1 + 12;
+constexpr std::size_t kThreeAxesBytes = 1 + 6;  // the id, then an int16 for each axis
+constexpr std::size_t kSixAxesBytes = 1 + 12;
 
 double int16_at(std::span<const std::uint8_t> report, std::size_t byte) noexcept {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(report[byte] | (report[byte + 1] << 8)));
@@ -35,16 +35,16 @@ bool SpaceMouseDecoder::take(std::span<const std::uint8_t> report, std::int64_t 
   };
   switch (report[0]) {
     case kPushId:
-      if (report.size() < kThreeAxes) return false;
+      if (report.size() < kThreeAxesBytes) return false;
       take_three(1, 0);
       pushed_ns_ = now_ns;
-      if (report.size() >= kSixAxes) {
+      if (report.size() >= kSixAxesBytes) {
         take_three(7, 3);
         turned_ns_ = now_ns;
       }
       return true;
     case kTurnId:
-      if (report.size() < kThreeAxes) return false;
+      if (report.size() < kThreeAxesBytes) return false;
       take_three(1, 3);
       turned_ns_ = now_ns;
       return true;
