@@ -25,7 +25,7 @@
 namespace hapton {
 namespace {
 
-// Measurement of the bare echo, with its own socket; empty without --echo.
+// Measurement of the bare echo, with its own socket; empty without --echo-probe.
 struct Echo {
   std::unique_ptr<Endpoint> endpoint;
   std::unique_ptr<EchoProbe> probe;
@@ -247,6 +247,7 @@ Result<void> DeviceHub::start_watchdog() {
     }
     parts_->network->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
+    // Above the network side, and the device side, which is one above it (DeviceThread).
     const int priority = is_realtime ? std::min(options.realtime.priority + 2, kMaxRealtimePriority) : 0;
     started = parts_->watchdog.start(parts_->heartbeat, WatchdogSupervisor::find_program(), priority);
   }

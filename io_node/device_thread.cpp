@@ -11,7 +11,8 @@
 namespace hapton {
 namespace {
 
-// Time to sleep while the network side holds the claim, for a microsecond: if both share a CPU, it can go on only while this thread sleeps.
+// How long to sleep if a cycle is late or the network side holds the claim. A choice: that side holds it for a microsecond, but if both
+// share a CPU, it can go on only while this thread sleeps.
 constexpr std::int64_t kMomentNs = 20'000;
 
 }  // namespace

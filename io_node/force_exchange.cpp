@@ -92,9 +92,9 @@ void ForceExchange::note_round_trip(const Header& header, const ForceCommand& co
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
 }
 
-// One round trip in 20 ms is enough to choose where forces are computed; the others are not stored.
+// One round trip in kTripEveryNs is enough to choose where forces are computed; the others are not stored.
 void ForceExchange::note_trip(std::int64_t round_trip_ns, std::int64_t now_ns) noexcept {
-  if (now_ns - last_trip_ns_ < 20 * kNanosecondsPerMillisecond) return;
+  if (now_ns - last_trip_ns_ < kTripEveryNs) return;
   last_trip_ns_ = now_ns;
   trips_s_[trip_count_++ % kTrips] = static_cast<float>(1e-9 * static_cast<double>(round_trip_ns));
 }

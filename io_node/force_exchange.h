@@ -109,8 +109,9 @@ class ForceExchange {
 
   double find_median_s(std::size_t max_trips) const noexcept;
 
-  // One round trip in 20 ms is kept: 0.6 s of them tell the user how late replies are, and decide on the change back to remote
+  // One round trip in kTripEveryNs is kept: 0.6 s of them tell the user how late replies are, and decide on the change back to remote
   // forces; 3.2 s of them decide on the change to patches (decision 197).
+  static constexpr std::int64_t kTripEveryNs = 20 * kNanosecondsPerMillisecond;
   static constexpr std::size_t kNewestTrips = 32;
   static constexpr std::size_t kTrips = 160;
   std::array<float, kTrips> trips_s_ = {};

@@ -17,7 +17,7 @@ struct HopStats {
   LatencyHistogram encode;            // sample taken -> encoded, sealed and about to be handed to the system
   LatencyHistogram wire_out;          // -> the haptics node has read it
   LatencyHistogram wire_back;         // its reply is ready to be encoded -> taken from the system
-  LatencyHistogram decode;            // -> opened, decoded and guarded
+  LatencyHistogram decode;            // -> opened, decoded and governed
   LatencyHistogram device_write;      // -> written to the device
   LatencyHistogram jitter;            // difference between a round trip and the one before
   LatencyHistogram vision_draw;       // a vision node has read a state -> it has drawn it

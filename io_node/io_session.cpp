@@ -25,8 +25,8 @@ namespace {
 
 constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;         // between two checks of scheduling, and of the loop's heartbeat
 constexpr std::int64_t kMinMetricsPeriodNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
-constexpr auto kSessionPollPeriod =
-    std::chrono::milliseconds(20);  // between two checks for events, reports and the end; too short for a person to notice
+// Between two checks for events, reports and the end; too short for a person to notice.
+constexpr auto kSessionPollPeriod = std::chrono::milliseconds(20);
 
 // Names the plug-in in a message on a fault of its device: " (device plugin:./pen.so)". Empty for other devices.
 std::string name_plugin(const IoOptions& options) {
@@ -71,12 +71,10 @@ std::string describe_rejection(const ServoEvent& event) {
       return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
     case ServoEvent::Kind::wrong_key:
       return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
-             "hapton keygen --role ROLE "
-             "--master MASTER FILE";
+             "hapton keygen --role ROLE --master MASTER FILE";
     case ServoEvent::Kind::wrong_version:
       return "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys "
-             "(hapton keygen) if it is older "
-             "than version 3";
+             "(hapton keygen) if it is older than version 3";
     case ServoEvent::Kind::role_violation:
       return "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen "
              "--role ROLE --master MASTER FILE";

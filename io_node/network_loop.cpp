@@ -150,6 +150,7 @@ void NetworkLoop::show_proxy() noexcept {
 void NetworkLoop::probe_echo(std::int64_t middle_ns) noexcept {
   if (echo_ == nullptr || forces_.is_awaited()) return;
   receiver_.receive_until(middle_ns);
+  // Early enough that a late echo does not delay the next cycle.
   const std::int64_t end_ns = cycle_.next_tick_ns - (cycle_.next_tick_ns - cycle_.tick_ns) / 8;
   echo_->probe(end_ns);
   receiver_.note_waited(end_ns, clock_.now_ns());
@@ -167,14 +168,14 @@ void NetworkLoop::on_message(const PeerEvent& event, const Datagram& datagram) n
   if (const auto* force = std::get_if<ForceCommand>(&message)) return forces_.accept(datagram.header, *force);
   if (patches_ != nullptr && is_scene_part(message)) return patches_->accept(message);
   if (const auto* marker = std::get_if<Marker>(&message)) return markers_.accept(*marker, event, cycle_.number, event.receive_time_ns);
-  // Of these not only the newest counts: they are about several objects, or from several senders, and each has its own number.
+  // An older message of these kinds counts as well: they are about several objects, or from several senders, and each has its own number.
   if (const auto* reply = std::get_if<MoveReply>(&message)) return requests_.accept(*reply);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
     if (patches_ != nullptr) patches_->accept(*move);
     peers_.send_to_role(NodeRole::vision, *move);
     return;
   }
-  // Nor of these: a shape has several parts, and starts are about several objects.
+  // Likewise: a shape has several parts, and starts are about several objects.
   if (const auto* part = std::get_if<ShapeRequest>(&message)) return requests_.accept(*part, event);
   if (const auto* reply = std::get_if<ShapeReply>(&message)) return requests_.accept(*reply);
   if (const auto* part = std::get_if<ObjectShape>(&message)) {

@@ -59,8 +59,7 @@ class RejectionNotices {
   std::array<std::int64_t, 8> last_ns_ = {kNever, kNever, kNever, kNever, kNever, kNever, kNever, kNever};  // by NodeRole
 };
 
-// Log lines about the peers: joined, left, rejected, or flooding. RT: yes. Threads:
-// one.
+// Log lines about the peers: joined, left, rejected, or flooding. RT: yes. Threads: one.
 class PeerNotices {
  public:
   // Pre: both outlive this.

@@ -23,10 +23,10 @@ void ResponseTracker::take(std::uint64_t sample, std::int64_t time_ns, bool is_e
 void ResponseTracker::withhold(std::uint64_t sample, std::int64_t time_ns) noexcept { note(sample, time_ns, State::withheld); }
 
 void ResponseTracker::note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept {
-  Entry& place = entry(sample);
-  if (place.state == State::waiting) set_state(place, State::excused);
-  place = {sample, time_ns, State::none};
-  set_state(place, state);
+  Entry& slot = entry(sample);
+  if (slot.state == State::waiting) set_state(slot, State::excused);
+  slot = {sample, time_ns, State::none};
+  set_state(slot, state);
   ++counts_.taken;
   newest_sample_ = sample;
 }

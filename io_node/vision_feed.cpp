@@ -34,12 +34,12 @@ void VisionFeed::send(const ProbeHistory& history, const DeviceSide& side, const
   probe_.status = status;
   probe_.energy_percent = percent_of(side.governor.energy_share());
   std::size_t reached = 0;
-  for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
-    const Peer& peer = peers_.peer(place);
+  for (std::size_t slot = 0; slot < HubPeers::kCapacity; ++slot) {
+    const Peer& peer = peers_.peer(slot);
     if (!peer.present || peer.role != NodeRole::vision) continue;
-    const VisionPace::Decision verdict = pace_.decide(place, probe_, now_ns);
-    stats_.probe_states_unchanged += verdict == VisionPace::Decision::skip ? 1 : 0;
-    if (verdict == VisionPace::Decision::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
+    const VisionPace::Decision decision = pace_.decide(slot, probe_, now_ns);
+    stats_.probe_states_unchanged += decision == VisionPace::Decision::skip ? 1 : 0;
+    if (decision == VisionPace::Decision::send) reached += peers_.send_to(slot, probe_) ? 1 : 0;
   }
   stats_.probe_states_sent += reached;
   if (hops_ != nullptr && reached > 0) hops_->on_probe_sent(probe_.sample);

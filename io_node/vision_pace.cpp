@@ -23,25 +23,25 @@ VisionPace::VisionPace(double rate_hz, std::uint32_t ignored_buttons) noexcept
     : period_ns_(rate_hz > 0.0 ? period_ns(rate_hz) : 0), ignored_buttons_(ignored_buttons) {}
 
 void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
-  Place& place = places_[peer];
-  if (frame.echo_sample < place.sent.sample || (frame.unchanged && !place.is_waiting)) return;  // about an older state, or repeated
-  place.is_waiting = false;
-  place.wants_every_sample = frame.every_sample;
+  Slot& slot = slots_[peer];
+  if (frame.echo_sample < slot.sent.sample || (frame.unchanged && !slot.is_waiting)) return;  // about an older state, or repeated
+  slot.is_waiting = false;
+  slot.wants_every_sample = frame.every_sample;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);
-  if ((place.sent.buttons & ~ignored_buttons_) != 0) return;
-  place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnchangedPauseNs : 0));
+  if ((slot.sent.buttons & ~ignored_buttons_) != 0) return;
+  slot.next_ns = std::max(slot.next_ns, now_ns + std::max(rest_ns, frame.unchanged ? kUnchangedPauseNs : 0));
 }
 
 VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {
-  Place& place = places_[peer];
+  Slot& slot = slots_[peer];
   const bool is_pressed = (probe.buttons & ~ignored_buttons_) != 0;
-  const bool repeats = now_ns >= place.repeat_ns;
-  if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats && !is_pressed)) return Decision::wait;
-  place.next_ns = std::max(place.next_ns + period_ns_, now_ns);
-  if (!repeats && !place.wants_every_sample && looks_same(probe, place.sent)) return Decision::skip;
-  place.sent = probe;
-  place.repeat_ns = now_ns + kRepeatNs;
-  place.is_waiting = true;
+  const bool repeats = now_ns >= slot.repeat_ns;
+  if (period_ns_ == 0 || now_ns < slot.next_ns || (slot.is_waiting && !repeats && !is_pressed)) return Decision::wait;
+  slot.next_ns = std::max(slot.next_ns + period_ns_, now_ns);
+  if (!repeats && !slot.wants_every_sample && looks_same(probe, slot.sent)) return Decision::skip;
+  slot.sent = probe;
+  slot.repeat_ns = now_ns + kRepeatNs;
+  slot.is_waiting = true;
   return Decision::send;
 }
 

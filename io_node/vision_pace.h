@@ -26,14 +26,14 @@ class VisionPace {
   // rate_hz: most states a second to each node; 0: none. ignored_buttons: not counted as held, e.g. a dead man's switch, which always is.
   explicit VisionPace(double rate_hz, std::uint32_t ignored_buttons = 0) noexcept;
 
-  void on_joined(std::size_t peer) noexcept { places_[peer] = {}; }
+  void on_joined(std::size_t peer) noexcept { slots_[peer] = {}; }
   void on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept;
 
   // Pre: the peer is a vision node. skip: a state is due, but it is unchanged and not sent. send: the caller sends it now.
   Decision decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;
 
  private:
-  struct Place {
+  struct Slot {
     ProbeState sent;
     std::int64_t repeat_ns = 0;  // time at which a state is sent again, even if unchanged or not acknowledged
     std::int64_t next_ns = 0;    // no state is sent before this time
@@ -43,7 +43,7 @@ class VisionPace {
 
   std::int64_t period_ns_;
   std::uint32_t ignored_buttons_;
-  std::array<Place, HubPeers::kCapacity> places_ = {};
+  std::array<Slot, HubPeers::kCapacity> slots_ = {};
 };
 
 }  // namespace hapton

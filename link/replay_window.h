@@ -22,17 +22,17 @@ class ReplayWindow {
       if (counter - newest_ >= kSpan) {
         seen_ = {};
       } else {
-        for (std::uint64_t skipped = newest_ + 1; skipped <= counter; ++skipped) seen_[place(skipped)] &= ~bit(skipped);
+        for (std::uint64_t skipped = newest_ + 1; skipped <= counter; ++skipped) seen_[index_of(skipped)] &= ~bit(skipped);
       }
       newest_ = counter;
     }
-    seen_[place(counter)] |= bit(counter);
+    seen_[index_of(counter)] |= bit(counter);
   }
 
  private:
-  static constexpr std::size_t place(std::uint64_t counter) noexcept { return counter % kSpan / 64; }
+  static constexpr std::size_t index_of(std::uint64_t counter) noexcept { return counter % kSpan / 64; }
   static constexpr std::uint64_t bit(std::uint64_t counter) noexcept { return std::uint64_t{1} << (counter % 64); }
-  std::uint64_t word(std::uint64_t counter) const noexcept { return seen_[place(counter)]; }
+  std::uint64_t word(std::uint64_t counter) const noexcept { return seen_[index_of(counter)]; }
 
   std::uint64_t newest_ = 0;
   std::array<std::uint64_t, kSpan / 64> seen_ = {};

@@ -108,7 +108,7 @@ class SocketStreams final : public StreamEndpoint {
   void poll_until(std::int64_t deadline_ns);
   void accept_some(Listener& listener);
   void receive_datagrams(Listener& listener);
-  void serve(std::size_t place, short events, Listener& listener);
+  void serve(std::size_t index, short events, Listener& listener);
   void finish_connecting(Connection& connection, Listener& listener);
   void flush(Connection& connection);
   void receive(Id id, Listener& listener);
@@ -237,17 +237,17 @@ void SocketStreams::wait(std::int64_t deadline_ns, Listener& listener) {
     std::uint64_t count = 0;
     [[maybe_unused]] const ssize_t read = ::read(waker_.get(), &count, sizeof count);
   }
-  for (std::size_t place = 0; place < known; ++place) serve(place, polled_[kFirstConnection + place].revents, listener);
+  for (std::size_t index = 0; index < known; ++index) serve(index, polled_[kFirstConnection + index].revents, listener);
   if (polled_[1].revents != 0) accept_some(listener);
   if (polled_[2].revents != 0) receive_datagrams(listener);
   forget_closed(listener);
 }
 
-void SocketStreams::serve(std::size_t place, short events, Listener& listener) {
-  if (events == 0 || connections_[place].is_closing) return;
-  const Id id = connections_[place].id;
-  if (connections_[place].is_connecting) return finish_connecting(connections_[place], listener);
-  if ((events & POLLOUT) != 0) flush(connections_[place]);
+void SocketStreams::serve(std::size_t index, short events, Listener& listener) {
+  if (events == 0 || connections_[index].is_closing) return;
+  const Id id = connections_[index].id;
+  if (connections_[index].is_connecting) return finish_connecting(connections_[index], listener);
+  if ((events & POLLOUT) != 0) flush(connections_[index]);
   if ((events & (POLLIN | POLLERR | POLLHUP)) != 0) receive(id, listener);
 }
 
