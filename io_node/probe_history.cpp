@@ -24,21 +24,21 @@ void ProbeHistory::note_local(const ForceCommand& command) noexcept {
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
   if (!is_haptics_new_) return std::nullopt;
-  if (was_local_ && !last_reply_.contact) return find_free_place(p_WD);
+  if (was_local_ && !last_reply_.contact) return find_resume_point_without_contact(p_WD);
   if (!p_WP_ || (*p_WP_ - p_WD).norm() > kResumeReachM) return std::nullopt;
   return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
 }
 
 // The haptics node begins at its contact offset beyond the returned point, as seen from the device. That must not be behind a surface that
 // the hand has just left: so the point is nearer to the device by the default offset, with which the node begins at the probe itself.
-std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexcept {
+std::optional<Vec3> ProbeHistory::find_resume_point_without_contact(const Vec3& p_WD) const noexcept {
   constexpr double kOffset = MethodSettings::kDefaultOffsetM;
-  const std::optional<Vec3> place = find_probe();
-  if (!place) return std::nullopt;
-  const Vec3 since = p_WD - *place;
-  const double moved_m = since.norm();
+  const std::optional<Vec3> p_WP = find_probe();
+  if (!p_WP) return std::nullopt;
+  const Vec3 moved = p_WD - *p_WP;
+  const double moved_m = moved.norm();
   if (moved_m > kResumeReachM) return std::nullopt;
-  return moved_m <= kOffset ? p_WD : Vec3(*place + kOffset / moved_m * since);
+  return moved_m <= kOffset ? p_WD : Vec3(*p_WP + kOffset / moved_m * moved);
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {

@@ -14,8 +14,8 @@
 namespace hapton {
 
 // Keeps the poses of the newest samples, and the probe's last position: for the picture, in which pose and visual offset must belong to one
-// sample, and for a haptics node that replaces another and resumes contact from that position. Frames: world. Units: m, ns of the hub's
-// clock. RT: yes. Threads: one.
+// sample, and for a haptics node that replaces another and resumes contact from that position. Frame: W (world), with the device point D,
+// the stylus T and the probe P. Units: m, ns of the hub's clock. RT: yes. Threads: one.
 class ProbeHistory {
  public:
   // Samples kept: as many as the response tracker knows. Across a slow network every reply is to a sample of long ago, whose pose the place
@@ -59,8 +59,8 @@ class ProbeHistory {
     was_local_ = false;
   }
 
-  // Where a haptics node goes on, if the device is still near (kResumeReachM): at the place of contact, if the device has not left the
-  // surface; or, where the device side has computed the force, near the last position of a probe without contact.
+  // Where a haptics node goes on, if the device is within 20 mm of it (kResumeReachM): at the place of contact, if the device has not left
+  // the surface; or, where the device side has computed the force, near the last position of a probe without contact.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_reply() const noexcept { return last_reply_; }
   const Pose& newest() const noexcept { return poses_[newest_sample_ % kSamples]; }
@@ -72,7 +72,7 @@ class ProbeHistory {
   void show(bool has_timed_out, ProbeState& probe) const noexcept;
 
  private:
-  std::optional<Vec3> find_free_place(const Vec3& p_WD) const noexcept;
+  std::optional<Vec3> find_resume_point_without_contact(const Vec3& p_WD) const noexcept;
   bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_sample_ - sample < kSamples; }
 
   std::vector<Pose> poses_ = std::vector<Pose>(kSamples);  // by number

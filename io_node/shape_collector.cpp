@@ -8,9 +8,9 @@ namespace hapton {
 // replaced, there are too many objects, or `total` is not that of the shape.
 ShapeCollector::NewestShape* ShapeCollector::find_or_begin(std::uint32_t source, std::int32_t object, std::uint32_t serial,
                                                            std::uint32_t total, Arrival arrival) noexcept {
-  const MoveSource::Verdict verdict = processes_.note(source, arrival);
-  if (verdict == MoveSource::Verdict::old) return nullptr;
-  if (verdict == MoveSource::Verdict::other) objects_.fill({});
+  const HapticsSource::Verdict verdict = processes_.note(source, arrival);
+  if (verdict == HapticsSource::Verdict::old) return nullptr;
+  if (verdict == HapticsSource::Verdict::other) objects_.fill({});
   source_ = source;
   auto found = std::find_if(objects_.begin(), objects_.end(), [&](const NewestShape& one) { return one.object == object; });
   if (found == objects_.end())

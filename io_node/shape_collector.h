@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "io_node/servo_tap.h"
+#include "link/haptics_source.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
-#include "link/move_source.h"
 #include "runtime/clock.h"
 
 namespace hapton {
@@ -46,7 +46,7 @@ class ShapeCollector {
 
   HubPeers& peers_;
   const ServoTap* tap_;
-  MoveSource processes_;
+  HapticsSource processes_;
   std::uint32_t source_ = 0;
   std::array<NewestShape, ShapePart::kMaxObjects> objects_ = {};
 };

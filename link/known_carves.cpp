@@ -5,10 +5,10 @@
 namespace hapton {
 
 KnownCarves::News KnownCarves::take(const Carves& carves, Arrival arrival) noexcept {
-  const MoveSource::Verdict verdict = processes_.note(carves.source, arrival);
-  if (verdict == MoveSource::Verdict::old) return {};
+  const HapticsSource::Verdict verdict = processes_.note(carves.source, arrival);
+  if (verdict == HapticsSource::Verdict::old) return {};
   News news;
-  if (verdict == MoveSource::Verdict::other) {
+  if (verdict == HapticsSource::Verdict::other) {
     news.starts_anew = true;
     source_ = carves.source;
     complete_ = newest_ = 0;

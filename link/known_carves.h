@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
+#include "link/haptics_source.h"
 #include "link/messages.h"
-#include "link/move_source.h"
 #include "link/sequence_tracker.h"
 #include "runtime/clock.h"
 
@@ -34,7 +34,7 @@ class KnownCarves {
   std::uint32_t newest() const noexcept { return newest_; }      // newest serial of the haptics node that is known
 
  private:
-  MoveSource processes_;
+  HapticsSource processes_;
   std::uint32_t source_ = 0;
   std::uint32_t complete_ = 0;
   std::uint32_t newest_ = 0;

@@ -6,9 +6,9 @@ namespace hapton {
 
 // Forgets everything at the first move of another haptics process, because that process may have another scene.
 void KnownMoves::take(const ObjectMove& move, Arrival arrival) {
-  const MoveSource::Verdict verdict = source_.note(move, arrival);
-  if (verdict == MoveSource::Verdict::old) return;
-  if (verdict == MoveSource::Verdict::other) {
+  const HapticsSource::Verdict verdict = source_.note(move, arrival);
+  if (verdict == HapticsSource::Verdict::old) return;
+  if (verdict == HapticsSource::Verdict::other) {
     motions_.clear();
     names_.clear();
   }

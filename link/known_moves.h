@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/math/commanded_motion.h"
+#include "link/haptics_source.h"
 #include "link/messages.h"
-#include "link/move_source.h"
 
 namespace hapton {
 
@@ -48,7 +48,7 @@ class KnownMoves {
  private:
   static CommandedMotion begin_motion(const ObjectMove& first);
 
-  MoveSource source_;
+  HapticsSource source_;
   std::map<std::int32_t, CommandedMotion> motions_;  // by object
   std::map<std::int32_t, std::string> names_;        // likewise
 };

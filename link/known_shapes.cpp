@@ -31,9 +31,9 @@ const KnownShapes::Object* KnownShapes::find_object(std::size_t object) const {
 }
 
 bool KnownShapes::note_source(std::uint32_t source, Arrival arrival) {
-  const MoveSource::Verdict verdict = source_.note(source, arrival);
-  if (verdict == MoveSource::Verdict::old) return false;
-  if (verdict == MoveSource::Verdict::other) {
+  const HapticsSource::Verdict verdict = source_.note(source, arrival);
+  if (verdict == HapticsSource::Verdict::old) return false;
+  if (verdict == HapticsSource::Verdict::other) {
     for (auto& [number, object] : objects_) object = {.total = object.total};
   }
   process_ = source;

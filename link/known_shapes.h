@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "link/haptics_source.h"
 #include "link/messages.h"
-#include "link/move_source.h"
 #include "link/shape_parts.h"
 
 namespace hapton {
@@ -81,7 +81,7 @@ class KnownShapes {
   const ShapeParts* find_whole(const Object& object, std::uint32_t serial) const;
   bool is_known(const Object& object, std::uint32_t serial) const { return serial == 0 || find_whole(object, serial) != nullptr; }
 
-  MoveSource source_;
+  HapticsSource source_;
   std::uint32_t process_ = 0;
   std::map<std::size_t, Object> objects_;  // those that programs deform
 };

@@ -59,9 +59,9 @@ void MovedObjects::forget_moves() {
 bool MovedObjects::take(const ObjectMove& move, Arrival arrival) {
   const auto number = static_cast<std::size_t>(move.object);
   if (number >= commanded_motions_.size() || !commanded_motions_[number]) return false;
-  const MoveSource::Verdict verdict = source_.note(move, arrival);
-  if (verdict == MoveSource::Verdict::old) return false;
-  if (verdict == MoveSource::Verdict::other) forget_moves();
+  const HapticsSource::Verdict verdict = source_.note(move, arrival);
+  if (verdict == HapticsSource::Verdict::old) return false;
+  if (verdict == HapticsSource::Verdict::other) forget_moves();
   return commanded_motions_[number]->begin(to_command(move));
 }
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/math/commanded_motion.h"
+#include "link/haptics_source.h"
 #include "link/known_shapes.h"
 #include "link/messages.h"
-#include "link/move_source.h"
 #include "scene/scene_file.h"
 #include "vision_node/stereo_view.h"
 
@@ -75,7 +75,7 @@ class MovedObjects {
   std::vector<ObjectPose> known_poses_;  // newest pose of each object, if it does not move by itself
   bool has_motion_ = false;
   std::vector<std::optional<CommandedMotion>> commanded_motions_;  // by object; none: programs do not move it
-  MoveSource source_;                                              // the haptics process that the moves come from
+  HapticsSource source_;                                           // the haptics process that the moves come from
   std::int64_t scene_time_ns_ = 0;                                 // the time set last
   std::vector<Pose> X_SO_;
   std::vector<MeshDeformation::Weights> weights_;                       // by object, at the time set last

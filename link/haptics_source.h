@@ -9,11 +9,11 @@ namespace hapton {
 
 // Tells which haptics process the known moves, carves or shapes come from: the newest that has sent any. In another process serials and
 // scene time begin again, and its objects are whole and where the scene file places them. RT: yes. Threads: one.
-class MoveSource {
+class HapticsSource {
  public:
   enum class Verdict : std::uint8_t {
     known,  // the message is from this process
-    other,  // it is from another process, which replaces it: all moves and carves so far are void
+    other,  // it is from another process, which replaces it: all moves, carves and shapes so far are void
     old,    // it is from a process that was replaced, and came late: ignore it
   };
 
