@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A device, its parameters, and its pose in W.
+// A device, its parameters, and its pose in the world frame W.
 struct DeviceSettings {
   std::string name = "simulated";  // one of device_makers()
   std::string id;                  // selects one of several: serial number, path, index or the vendor's name for it; empty: the first found

@@ -14,7 +14,8 @@ namespace hapton {
 // No data sheet or study that we know of says how stiffly a hand holds a stylus against turning. Stiffness and damping are those of
 // StylusModel's hand at a lever of 5 cm; the hand's mass is left out. The inertia is that of a uniform rod of 40 g and 20 cm about a grip
 // 2 cm from its centre. One step of semi-implicit Euler each 100 us of the device's time: with a constant torque and hand the trajectory
-// does not depend on how often it is read. Frame W, SI. RT: advance yes.
+// does not depend on how often it is read. Frame W (world), SI; q_WT: orientation of the stylus, q_WH: the one that the hand wants. RT:
+// advance yes.
 class StylusTurn {
  public:
   static constexpr double kInertiaKgM2 = 1.5e-4;  // 1.33e-4 about the centre, 0.16e-4 for the 2 cm

@@ -52,7 +52,7 @@ class HidTransport {
   // Reads the oldest report that was not read yet; waits for one for at most wait_ms. A report longer than `into` is cut off.
   virtual HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept = 0;
 
-  // To be called after a read has returned `gone`, once the device's driver was told: it may take long, as it lists the other devices.
+  // To be called after a read has returned `gone`, once the device's driver was notified: it may take long, as it lists the other devices.
   virtual void note_gone() {}
 
   // Sends an output report. False: not sent. Waits until the bus has accepted it: up to a millisecond with some devices.

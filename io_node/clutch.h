@@ -15,7 +15,7 @@ namespace hapton {
 // pause: a stylus whose clutch is released inside a body is not kicked. The governor acts after the clutch, and gets the device's real
 // position: its limits of workspace, speed and energy are those of the hardware.
 //
-// Frame: W. Units: m, s. RT: yes. Threads: one at a time (the holder of DeviceLoop's claim).
+// Frame: W (world), with the device point D. Units: m, s. RT: yes. Threads: one at a time (the holder of DeviceLoop's claim).
 class Clutch {
  public:
   static constexpr double kFadeOutS = 0.01;  // as in the governor: kLongestReleaseNs

@@ -95,8 +95,8 @@ struct DeviceLoopStats {
 // network side was preempted while it held it) retries soon, and cuts the device off (Device::cut) if the force becomes too old meanwhile:
 // that needs no claim. Any other thread can do the same if this cycle does not run (cut_if_older).
 //
-// Units: ns of the clock; frame W. RT: yes, except the constructor. Threads: one for the cycle (start to finish), one for the network side;
-// they may be the same.
+// Units: ns of the clock; frame W (world). RT: yes, except the constructor. Threads: one for the cycle (start to finish), one for the
+// network side; they may be the same.
 class DeviceLoop {
  public:
   // A choice: at 1 kHz, as many cycles as the longest delay that does not count as a stall (kStallNs).

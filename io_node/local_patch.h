@@ -43,8 +43,9 @@ struct PatchOrders {
 // time since. From then on it advances with the samples here, as in the haptics node: a gap counts as at most kMaxSceneStepNs, and while no
 // force is given it stands still.
 //
-// Frames: W and S as named. RT: the functions of the device's thread and of the network side yes; those of the patch thread no, as they
-// free memory. Construction and destruction set-up only. Threads: three, each for the functions of its section below.
+// Frames: W world, S static scene; D: device point, P: probe. RT: the functions of the device's thread and of the network side yes; those
+// of the patch thread no, as they free memory. Construction and destruction set-up only. Threads: three, each for the functions of its
+// section below.
 class LocalPatch final : public LocalTouch {
  public:
   static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;  // as in HapticsStep

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The force for one sample, computed in the device's own thread. Frame W.
+// The force for one sample, computed in the device's own thread. Frame W (world).
 struct LocalForce {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point

@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// The network side of touch by patches: asks the haptics node for parts of the scene while they are wanted, passes on those that come,
+// The network side of touch by patches: requests parts of the scene from the haptics node while they are wanted, passes on those that come,
 // acknowledges those that came, and notifies the device side from when and until when it may use them.
 //
 //   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
@@ -21,12 +21,12 @@ namespace hapton {
 // is notified repeatedly where the haptics node has the probe: the first patch takes over from there. Parts that came before patches were
 // wanted again are not used: the haptics node may have another scene by then. Without any datagram of the haptics node, the force from
 // patches ends kMaxSilenceNs after the last one. If the scene moves, the device side also gets the moves of objects as they are announced,
-// and each status tells the haptics node which moves have come.
+// and each status names the moves that have come.
 //
 // Each epoch of parts replies to one request: once parts were dropped, an epoch that replies to an earlier request is not used, however
 // late it comes (PatchStatus::request). Where an object was put down, the first patch waits for a position of the probe from a haptics node
-// that knows of it (PatchBegin::method_serial). A haptics node that begins to send parts while they are not wanted is told so. Units: ns of
-// the hub's clock. RT: yes. Threads: the network side's.
+// that knows of it (PatchBegin::method_serial). A haptics node that begins to send parts while they are not wanted gets a status that says
+// so. Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class PatchLink {
  public:
   // A choice: the force outlasts a silence of the network of this length, and no longer: the haptics node may be gone.

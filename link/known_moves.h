@@ -34,7 +34,7 @@ class KnownMoves {
 
   // The objects announced so far, in the order of their numbers.
   std::vector<std::int32_t> objects() const;
-  // For a haptics node of an earlier build, whose moves have no name: the reply to a request by name tells the object of that name.
+  // For a haptics node of an earlier build, whose moves have no name: the reply to a request by name names the object.
   void note_name(std::string_view name, std::int32_t object);
   // The name of an object; empty: not known.
   std::string_view find_name(std::int32_t object) const;

@@ -44,7 +44,7 @@ enum class SessionFault : std::uint8_t {
 };
 std::string_view to_string(SessionFault fault) noexcept;
 
-// What a cycle read from the device. Frame: W. Units: m.
+// What a cycle read from the device: the device point D and the stylus T. Frame: W (world). Units: m.
 struct CycleSample {
   std::int64_t time_ns = 0;  // hub's clock
   Vec3 p_WD = Vec3::Zero();

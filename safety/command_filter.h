@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// A requested wrench, in reply to the device sample taken at sample_time_ns (the clock of the governor). Frame: W.
+// A requested wrench, in reply to the device sample taken at sample_time_ns (the clock of the governor). Frame: W (world).
 struct WrenchCommand {
   Wrench wrench;
   std::int64_t sample_time_ns = 0;

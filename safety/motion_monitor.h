@@ -10,7 +10,7 @@ namespace hapton {
 // Invalid pose: not finite, farther out than 1e6 m, or a quaternion not of unit length; it is ignored. Jump: kJumpM farther than max_speed
 // allows, for example because an encoder lost count; on a device with torque also kJumpRad more than kFastestTurnRadPerS allows. After a
 // gap of kGapNs or more the hand may be anywhere, and nothing counts as a jump.
-// Units m, s, rad; frame W. RT: yes.
+// Units m, s, rad; frame W (world), with the device point D and the stylus T. RT: yes.
 class MotionMonitor {
  public:
   // The distance that a hand at 3 m/s moves in 1.7 ms, so time stamps may be wrong by that time. A smaller loss of encoder counts is not
@@ -47,7 +47,7 @@ class MotionMonitor {
   void set_at_rest() noexcept;
 
   Vec3 p_WD_ = Vec3::Zero();
-  Quat q_WT_ = Quat::Identity();  // orientation of the stylus
+  Quat q_WT_ = Quat::Identity();
   Vec3 moved_m_ = Vec3::Zero();
   Vec3 turned_rad_ = Vec3::Zero();
   Vec3 velocity_m_per_s_ = Vec3::Zero();

@@ -8,7 +8,7 @@ namespace hapton {
 
 // Soft stop at the end of the workspace: outward force fades to zero over the last kMarginM (or a tenth of the axis, if that is less), for
 // each axis, and stays zero beyond the end. It only reduces force: a virtual wall would push a hand that is already outside.
-// RT: yes.
+// Frame: W (world); D: the device point. RT: yes.
 class WorkspaceStop {
  public:
   // The fade acts like a spring of max_force / kMarginM, 845 N/m for a PHANToM Model A. A much shorter one would be stiffer than the
