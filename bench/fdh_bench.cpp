@@ -5,9 +5,10 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
-#include <random>
+#include <numbers>
 #include <vector>
 
 #include "core/collision/fdh_tree.h"
@@ -17,12 +18,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kDiameter = 0.1;  // m, diameter of the sphere
+constexpr double kDiameterM = 0.1;  // of the sphere
 
 const TriangleMesh& mesh_of(std::int64_t triangles) {
   static std::map<std::int64_t, TriangleMesh> made;
   auto [at, is_new] = made.try_emplace(triangles);
-  if (is_new) at->second = make_bumpy_sphere(0.5 * kDiameter, 0.1, static_cast<std::size_t>(triangles), 1);
+  if (is_new) at->second = make_bumpy_sphere(0.5 * kDiameterM, 0.1, static_cast<std::size_t>(triangles), 1);
   return at->second;
 }
 
@@ -46,9 +47,9 @@ const std::vector<Vec3>& walk_over(std::int64_t triangles) {
   for (int i = 0; i < kSteps; ++i) {
     const double s = (i + 0.5) / kSteps;
     const double polar = std::acos(1.0 - 2.0 * s);
-    const double around = 6.283185307179586 * 8.0 * s;
-    const Vec3 direction(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
-    const Vec3 near = 0.5 * kDiameter * direction;
+    const double azimuth = 2.0 * std::numbers::pi * 8.0 * s;
+    const Vec3 direction(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar));
+    const Vec3 near = 0.5 * kDiameterM * direction;
     const Vec3 on = mesh.corner(tree.find_nearest(near).triangle, 0);
     at->second.push_back(on + 0.002 * std::sin(0.01 * i) * direction);
   }
@@ -151,7 +152,7 @@ void segment(benchmark::State& state) {
   query_along_walk<K>(state, 1, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[i + 1], 0.0}; });
 }
 
-// Each query is a long segment, through the whole mesh.
+// Each query is a long segment through the mesh, between samples two fifths of the spiral apart.
 template <int K>
 void long_segment(benchmark::State& state) {
   query_along_walk<K>(state, 0, [](const auto& walk, std::size_t i) { return FdhSweep{walk[i], walk[(i + 7919) % walk.size()], 0.0}; });

@@ -58,7 +58,7 @@ DeviceState some_state() {
 
 // Takes a message from its sender to its receiver, as HubPeers and HubClient do: encode, seal, open, decode.
 template <class MessageType>
-void whole_way(benchmark::State& state, const MessageType& message) {
+void encode_to_decode(benchmark::State& state, const MessageType& message) {
   Channels channels;
   Codec sender;
   Codec receiver;
@@ -75,14 +75,14 @@ void whole_way(benchmark::State& state, const MessageType& message) {
     const std::size_t plain_size = sender.encode(out, plain);
     size = channels.client.seal(std::span(plain).first(plain_size), sealed);
     channels.hub.open(std::span(sealed).first(size), opened, bytes);
-    if (receiver.decode(std::span(opened).first(bytes), in) != DecodeStatus::ok) state.SkipWithError("not understood");
+    if (receiver.decode(std::span(opened).first(bytes), in) != DecodeStatus::ok) state.SkipWithError("not decoded");
     benchmark::DoNotOptimize(in);
   }
   state.counters["bytes"] = static_cast<double>(size);
 }
 
-void force_whole_way(benchmark::State& state) { whole_way(state, some_force()); }
-void state_whole_way(benchmark::State& state) { whole_way(state, some_state()); }
+void force_encode_to_decode(benchmark::State& state) { encode_to_decode(state, some_force()); }
+void state_encode_to_decode(benchmark::State& state) { encode_to_decode(state, some_state()); }
 
 void codec_alone(benchmark::State& state) {
   Codec codec;
@@ -150,15 +150,15 @@ void chacha20_poly1305(benchmark::State& state) {
   }
 }
 
-// The cost of refusing an unknown peer's datagram: here one with the number of a live session, in refuse_request one with another key.
-void refuse_forged(benchmark::State& state) {
+// The cost of rejecting an unknown peer's datagram: here a forged one of a live session, in reject_request a request with another key.
+void reject_forged(benchmark::State& state) {
   Channels channels;
   Bytes plain = {};
   Bytes sealed;
   Bytes opened;
   std::size_t bytes = 0;
   const std::size_t size = channels.client.seal(std::span(plain).first(150), sealed);
-  sealed[40] ^= std::byte{1};
+  sealed[40] ^= std::byte{1};  // a byte of the ciphertext
   for (auto _ : state) benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
 }
 
@@ -171,14 +171,14 @@ std::array<std::byte, seal::kRequestBytes> make_request(ClientHandshake& client,
   return request;
 }
 
-void refuse_request(benchmark::State& state) {
+void reject_request(benchmark::State& state) {
   ClientHandshake unknown(RoleKey(make_key(), KeyRole::haptics), 1, AgreementWorker::Where::caller);
   HubHandshake hub(make_key(), AgreementWorker::Where::caller);
   const auto request = make_request(unknown, 1);
   for (auto _ : state) benchmark::DoNotOptimize(hub.check_request(request, {}, 1));
 }
 
-void refuse_replayed_request(benchmark::State& state) {
+void reject_replayed_request(benchmark::State& state) {
   const LinkKey key = make_key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
   HubHandshake hub(key, AgreementWorker::Where::caller);
@@ -226,16 +226,16 @@ void worker_replies_to_request(benchmark::State& state) {
   }
 }
 
-BENCHMARK(force_whole_way);
-BENCHMARK(state_whole_way);
+BENCHMARK(force_encode_to_decode);
+BENCHMARK(state_encode_to_decode);
 BENCHMARK(codec_alone);
 BENCHMARK(seal_alone)->Arg(150);
 BENCHMARK(seal_and_open)->Arg(64)->Arg(150)->Arg(seal::kMaxPayloadBytes);
 BENCHMARK(aes256_gcm)->Arg(64)->Arg(150);
 BENCHMARK(chacha20_poly1305)->Arg(64)->Arg(150);
-BENCHMARK(refuse_forged);
-BENCHMARK(refuse_request);
-BENCHMARK(refuse_replayed_request);
+BENCHMARK(reject_forged);
+BENCHMARK(reject_request);
+BENCHMARK(reject_replayed_request);
 BENCHMARK(hand_over_request)->Iterations(2000);
 BENCHMARK(worker_makes_request);
 BENCHMARK(worker_replies_to_request);

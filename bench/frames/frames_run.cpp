@@ -65,7 +65,7 @@ ViewSettings settings_for(const TriangleMesh& mesh, bool offscreen) {
   settings.width_px = kWindow.width_px;
   settings.height_px = kWindow.height_px;
   settings.offscreen = offscreen;
-  settings.framing = frame_sphere(Vec3::Zero(), radius, 0.063);
+  settings.framing = frame_sphere(Vec3::Zero(), radius, kEyeDistance);
   return settings;
 }
 

@@ -27,9 +27,9 @@ class PairMaker {
     if (line.dot(inward(a)) < 0.0) line = -line;
     if (line.dot(inward(b)) > 0.0) return {};  // b would extend to the same side as a: a long contact
     const double length = settings_.size_m * std::exp(between(std::log(settings_.shallowest), std::log(settings_.deepest)));
-    const Vec3 place = settings_.spread_m * Vec3(between(-1, 1), between(-1, 1), between(-1, 1));
-    for (Vec3& p : b) p += place + on_a - on_b + length * line;
-    for (Vec3& p : a) p += place;
+    const Vec3 centre = settings_.spread_m * Vec3(between(-1, 1), between(-1, 1), between(-1, 1));
+    for (Vec3& p : b) p += centre + on_a - on_b + length * line;
+    for (Vec3& p : a) p += centre;
     const TrianglePair pair = {a, b};
     const ExtendedContact exact = intersect_extended(pair);
     if (exact.count != 2 || exact.on_edge_of_a[0] == exact.on_edge_of_a[1]) return {};

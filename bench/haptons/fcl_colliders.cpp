@@ -13,14 +13,14 @@ namespace {
 
 // FCL returns the points at which one triangle is deepest in the other, not the segment that both share. This judges FCL leniently: the
 // returned point that is nearest to that segment counts.
-double kind_error(std::span<const Vec3> points, const TrianglePair& pair) {
+double lenient_error(std::span<const Vec3> points, const TrianglePair& pair) {
   const ExtendedContact exact = intersect_extended(pair);
   const Vec3 from = exact.point[0].cast<double>();
-  const Vec3 way = exact.point[1].cast<double>() - from;
+  const Vec3 segment = exact.point[1].cast<double>() - from;
   double least = 1e300;
   for (const Vec3& p : points) {
-    const double t = std::clamp((p - from).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
-    least = std::min(least, (p - from - t * way).norm());
+    const double t = std::clamp((p - from).dot(segment) / std::max(segment.squaredNorm(), 1e-300), 0.0, 1.0);
+    least = std::min(least, (p - from - t * segment).norm());
   }
   return points.empty() ? -1.0 : least / size_of(pair);
 }
@@ -45,7 +45,7 @@ class FclTriangles final : public PairCollider {
         f.count = 0;
     }
   }
-  double location_error(std::size_t i) const override { return kind_error({found_[i].point, found_[i].count}, pairs_[i]); }
+  double location_error(std::size_t i) const override { return lenient_error({found_[i].point, found_[i].count}, pairs_[i]); }
 
  private:
   struct Found {
@@ -77,7 +77,7 @@ class FclMeshes final : public PairCollider {
       for (unsigned c = 0; c < found_[i].count; ++c) found_[i].point[c] = result.getContact(c).pos;
     }
   }
-  double location_error(std::size_t i) const override { return kind_error({found_[i].point, found_[i].count}, pairs_[i]); }
+  double location_error(std::size_t i) const override { return lenient_error({found_[i].point, found_[i].count}, pairs_[i]); }
 
  private:
   using Model = fcl::BVHModel<fcl::OBBRSSd>;

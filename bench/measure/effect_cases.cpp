@@ -101,6 +101,7 @@ struct NamedEffect {
   SwitchedEffect effect;
 };
 
+// The burst decays in 50 s, so that it vibrates in every step of a run.
 std::vector<NamedEffect> all_of_space() {
   const auto everywhere = EffectVolume::ball(Vec3::Zero(), 1.0);
   return {{"spring", SpringEffect{}},

@@ -24,8 +24,8 @@ constexpr double kImagesPerM = 10.0;
 // The images show waves of brightness, 32 texels long. u, v: texture coordinates, 0 to 1 across one image.
 constexpr double kWavesPerImage = kTexels / 32.0;
 inline double brightness_at(double u, double v) {
-  constexpr double kTurn = 2.0 * std::numbers::pi * kWavesPerImage;
-  return 0.5 + 0.25 * (std::sin(kTurn * u) + std::sin(kTurn * v));
+  constexpr double kPhasePerImage = 2.0 * std::numbers::pi * kWavesPerImage;
+  return 0.5 + 0.25 * (std::sin(kPhasePerImage * u) + std::sin(kPhasePerImage * v));
 }
 
 // The first case has no effect. mesh: the effects' images are mapped onto it along z. RT: set-up only.

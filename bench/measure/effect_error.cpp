@@ -16,7 +16,7 @@ namespace hapton {
 namespace {
 
 // The formula is evaluated this often in a step, so it finds an event (contact, puncture, slip) to 1/64 step, below the sampling error.
-constexpr int kParts = 64;
+constexpr int kMomentsPerStep = 64;
 
 // The hand already moves when the touch begins, but the velocity estimates and virtual masses of the effects begin at rest. After this
 // time, 25 times the memory of SmoothVelocity at 1 kHz, the difference has died out.
@@ -46,9 +46,9 @@ class SmoothMotion {
     FormulaMoment moment = {.time_s = time_s, .p = mean_, .v = Vec3::Zero()};
     for (int axis = 0; axis < 3; ++axis) {
       for (const Wave& wave : waves_[static_cast<std::size_t>(axis)]) {
-        const double turn = 2.0 * std::numbers::pi * wave.hz;
-        moment.p[axis] += wave.length_m * std::sin(turn * time_s + wave.phase);
-        moment.v[axis] += wave.length_m * turn * std::cos(turn * time_s + wave.phase);
+        const double angular_frequency = 2.0 * std::numbers::pi * wave.hz;
+        moment.p[axis] += wave.length_m * std::sin(angular_frequency * time_s + wave.phase);
+        moment.v[axis] += wave.length_m * angular_frequency * std::cos(angular_frequency * time_s + wave.phase);
       }
     }
     return moment;
@@ -103,8 +103,9 @@ Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effect
   double worst = 0.0;
   for (std::size_t i = 0; i < felt->size(); ++i) {
     Vec3 exact = Vec3::Zero();
-    for (int part = i == 0 ? kParts : 1; part <= kParts; ++part) {  // the formula begins at the first sample, like the method
-      const double behind_s = (1.0 - static_cast<double>(part) / kParts) / settings.rate_hz;
+    for (int part = i == 0 ? kMomentsPerStep : 1; part <= kMomentsPerStep;
+         ++part) {  // the formula begins at the first sample, like the method
+      const double behind_s = (1.0 - static_cast<double>(part) / kMomentsPerStep) / settings.rate_hz;
       exact = form.force_at(motion.at(time_of(i, settings.rate_hz) - behind_s));
     }
     if (time_of(i, settings.rate_hz) < kSettleS) continue;

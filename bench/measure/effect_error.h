@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// Difference between the felt force and the force by the formulas of docs/effects.md. Errors of sampling, of smoothed velocities and of
-// image resolution are included. Without effects, rms is a share of the RMS of the whole force.
+// Difference between the force of the haptic step and the force by the formulas of docs/effects.md. Errors of sampling, of smoothed
+// velocities and of image resolution are included. Without effects, rms is a share of the RMS of the whole force.
 struct EffectError {
   double rms = 0.0;      // RMS of the difference, as a share of the RMS of what the effects add to the force (N if that is zero)
   double worst_n = 0.0;  // largest difference, N

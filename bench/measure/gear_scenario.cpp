@@ -18,8 +18,8 @@ double half_tooth_at_base(const SpurGear& gear) {
   return 0.5 * thickness / gear.pitch_radius_m() + involute_turn(std::tan(gear.pressure_angle));
 }
 
-// The outline of the gear, counter-clockwise. `between`: a gap, not a tooth, is at angle 0.
-std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool between) {
+// The outline of the gear, counter-clockwise. gap_on_x: a gap, not a tooth, is at angle 0.
+std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool gap_on_x) {
   const double base = gear.base_radius_m();
   const double root = gear.pitch_radius_m() - 1.25 * gear.module_m;
   const double tip = gear.pitch_radius_m() + gear.module_m;
@@ -29,14 +29,14 @@ std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool between) {
   std::vector<Eigen::Vector2d> outline;
   const auto add = [&](double radius, double angle) { outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle)); };
   for (int tooth = 0; tooth < gear.teeth; ++tooth) {
-    const double middle = pitch * (tooth + (between ? 0.5 : 0.0));
+    const double middle = pitch * (tooth + (gap_on_x ? 0.5 : 0.0));
     add(root, middle - half);
-    for (int i = 0; i <= gear.flank_points; ++i) {
-      const double t = last * i / gear.flank_points;
+    for (int i = 0; i <= gear.flank_chords; ++i) {
+      const double t = last * i / gear.flank_chords;
       add(base * std::sqrt(1.0 + t * t), middle - half + involute_turn(t));
     }
-    for (int i = gear.flank_points; i >= 0; --i) {
-      const double t = last * i / gear.flank_points;
+    for (int i = gear.flank_chords; i >= 0; --i) {
+      const double t = last * i / gear.flank_chords;
       add(base * std::sqrt(1.0 + t * t), middle + half - involute_turn(t));
     }
     add(root, middle + half);
@@ -46,8 +46,9 @@ std::vector<Eigen::Vector2d> make_outline(const SpurGear& gear, bool between) {
 
 double turn_about_z(const Pose& X) { return std::atan2(X.linear()(1, 0), X.linear()(0, 0)); }
 
-// Finds the pose (x, y, turn) of least energy at which no flanks overlap. Each round linearises the gaps of both sides at the last pose.
-Vec3 find_rest(const SpurGear& gear, const Vec3& device, double turn_length_m) {
+// Finds the pose (x, y, turn) of least energy at which no flanks overlap. Each round linearises the gaps of both sides at the last pose;
+// the number of rounds is a free choice.
+Vec3 find_equilibrium(const SpurGear& gear, const Vec3& device, double turn_length_m) {
   const Vec3 scale(1.0, 1.0, turn_length_m);
   Vec3 at = device;
   for (int round = 0; round < 60; ++round) {
@@ -69,7 +70,7 @@ Vec3 find_rest(const SpurGear& gear, const Vec3& device, double turn_length_m) {
 
 double SpurGear::base_radius_m() const { return pitch_radius_m() * std::cos(pressure_angle); }
 
-TriangleMesh make_spur_gear(const SpurGear& gear, bool between) { return make_prism(make_outline(gear, between), gear.width_m, 1); }
+TriangleMesh make_spur_gear(const SpurGear& gear, bool gap_on_x) { return make_prism(make_outline(gear, gap_on_x), gear.width_m, 1); }
 
 double find_flank_gap(const SpurGear& gear, const Eigen::Vector2d& centre_m, double turn, bool counterclockwise, Vec3* slope) {
   // The clockwise side is the mirror image of the counterclockwise side.
@@ -107,10 +108,11 @@ SixdofScenario make_gear_scenario(std::size_t steps) {
   }
   made.expected = [fixed, coupling = made.coupling](const Pose& X) {
     const Vec3 device(X.translation().x(), X.translation().y(), turn_about_z(X));
-    const Vec3 rest = find_rest(fixed, device, std::sqrt(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m));
+    const Vec3 equilibrium =
+        find_equilibrium(fixed, device, std::sqrt(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m));
     Wrench6 wrench;
-    wrench.force_n.head<2>() = coupling.stiffness_n_per_m * (rest - device).head<2>();
-    wrench.torque_nm.z() = coupling.rotational_stiffness_nm_per_rad * (rest.z() - device.z());
+    wrench.force_n.head<2>() = coupling.stiffness_n_per_m * (equilibrium - device).head<2>();
+    wrench.torque_nm.z() = coupling.rotational_stiffness_nm_per_rad * (equilibrium.z() - device.z());
     return wrench;
   };
   return made;

@@ -21,7 +21,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using SwitchCause = BranchSwitch::Cause;
 
-constexpr double kMoves = 1e-9;  // share of the extent: a proxy that has moved farther since the last step slides
+constexpr double kSlideShare =
+    1e-9;  // share of the extent: a proxy that has moved farther since the last step slides; above rounding, a free choice
 
 struct Slide {
   std::uint64_t seed;
@@ -34,7 +35,7 @@ struct Windows {
     std::uint64_t seed = 0;  // seed of the slide
     std::size_t step = 0;    // step of the slide after which the window begins
     Vec3 proxy = Vec3::Zero(), device = Vec3::Zero();
-    bool slides = false;
+    bool is_sliding = false;
   };
   std::vector<Begin> begins;
 };
@@ -56,8 +57,8 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
 }
 
 // Computes the reference over one window.
-std::vector<ForceSample> follow(ReferenceMethod& reference, const Windows::Begin& begin, std::span<const ForceSample> samples) {
-  reference.continue_from(begin.proxy, begin.device, begin.slides);
+std::vector<ForceSample> compute_reference(ReferenceMethod& reference, const Windows::Begin& begin, std::span<const ForceSample> samples) {
+  reference.continue_from(begin.proxy, begin.device, begin.is_sliding);
   std::vector<ForceSample> felt;
   for (const ForceSample& sample : samples) {
     const MethodOutput expected = reference.step({.p_SD = sample.device});
@@ -75,7 +76,7 @@ void compute_windows(ReferenceMethod& reference, ConvergedSteps& converged, cons
     const auto first = felt.begin() + static_cast<std::ptrdiff_t>(start) + 1;
     windows.method.insert(windows.method.end(), first, first + static_cast<std::ptrdiff_t>(settings.window_steps));
     const std::vector<ForceSample> expected =
-        follow(reference, windows.begins.back(), std::span(windows.method).last(settings.window_steps));
+        compute_reference(reference, windows.begins.back(), std::span(windows.method).last(settings.window_steps));
     windows.reference.insert(windows.reference.end(), expected.begin(), expected.end());
   }
 }
@@ -97,7 +98,7 @@ void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& swi
     if (branch.cause != SwitchCause::unexplained || window == checked) continue;
     checked = window;
     const std::span steps = std::span(windows.reference).subspan(window * window_steps, window_steps);
-    const std::vector<ForceSample> finer = follow(fine, windows.begins[window], steps);
+    const std::vector<ForceSample> finer = compute_reference(fine, windows.begins[window], steps);
     for (std::size_t i = 0; i < window_steps; ++i) {
       const double change = (finer[i].force_n - steps[i].force_n).norm();
       if (change > ForceError::kBranchShare * steps[i].force_n.norm()) steps[i].settled = false;
@@ -169,7 +170,7 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
     contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
     if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
     figures.facets_crossed += count_facets(locator, slide, timing->felt);
-    compute_windows(**reference, *converged, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
+    compute_windows(**reference, *converged, slide, timing->felt, settings, friction ? kSlideShare * error.extent_m : -1.0, windows);
   }
   double sum_ns = 0.0;
   for (const double ns : contact_ns) sum_ns += ns;

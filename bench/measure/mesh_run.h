@@ -21,7 +21,7 @@ struct NamedMesh {
 struct MeshRunSettings {
   std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6};  // one slide for each seed
   std::size_t steps = 20000;                              // steps of each slide
-  std::vector<double> probe_radii_m = {0.0, 0.0005};
+  std::vector<double> probe_radii_m = {0.0, 0.0005};      // 0: a point
   // Coefficients of static and dynamic friction: those with which the quoted CHAI3D values were measured.
   double friction_static = 0.5;
   double friction_dynamic = 0.4;
@@ -54,10 +54,10 @@ struct MeshFigures {
 // Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
 //
 // The errors are those in windows of consecutive steps. The seed chooses where a window begins among the contact steps (with friction:
-// those in which the proxy moves); the reference continues there from the proxy's own state, also in the middle of a carried step, so a
-// branch switch before the window does not count, and one within it counts to the window's end. A window with an unexplained switch is
-// computed again by a reference with 16 times as many sub-steps, which can only make more steps unsettled. Error: a trajectory or method
-// that cannot be made.
+// those in which the proxy moves); the reference continues there from the proxy's own state, also if that step ran out of work
+// (ForceMethod::carried_from). So a branch switch before the window does not count, and one within it counts to the window's end. A window
+// with an unexplained switch is computed again by a reference with 16 times as many sub-steps, which can only make more steps unsettled.
+// Error: a trajectory or method that cannot be made.
 Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
                                               const std::function<void(const std::string&)>& progress);
 

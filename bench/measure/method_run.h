@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-constexpr double kSphere_m = 0.0005;    // probe radius of the measurements with a sphere
-constexpr std::uint32_t kSetSize = 64;  // triangles of a local set, as in the FDH paper
+constexpr double kSphereRadiusM = 0.0005;  // probe radius of the measurements with a sphere
+constexpr std::uint32_t kSetSize = 64;     // triangles of a local set, as in the FDH paper
 
 // The cost of the whole haptic step (core/force/touch_step.h, as in the live node) with a method along a trajectory.
 struct MethodTiming {

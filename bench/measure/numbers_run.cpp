@@ -18,19 +18,19 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Peers = std::vector<std::pair<std::string, double>>;
 
-constexpr double kExtent_m = 0.1;  // every mesh is scaled to 100 mm
+constexpr double kExtentM = 0.1;  // every mesh is scaled to 100 mm
 
 std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
-  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
+  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtentM / extent, Vec3::Zero()));
 }
 
 // Root mean square curvature 1 / (0.7 mm); the slides press 1 to 2 mm deep. At 1.31 M triangles a wave of 2.5 mm spans ten facets.
 std::shared_ptr<const TriangleMesh> make_rough(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_rough_sphere(0.049, 0.0007, 0.0025, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
-  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
+  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtentM / extent, Vec3::Zero()));
 }
 
 TouchScene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
@@ -93,7 +93,7 @@ class Numbers {
     std::vector<StructureTiming> timings;
     for (const QueryStructureKind& kind : peers_) {
       progress_(fmt::format("peer: {} over {} triangles", kind.full_name(), count_text(mesh.triangles.size())));
-      auto timing = time_structure(watch_, settings_.budget, kind, mesh, queries, {}, kExtent_m);
+      auto timing = time_structure(watch_, settings_.budget, kind, mesh, queries, {}, kExtentM);
       if (!timing) return tl::unexpected(timing.error());
       timings.push_back(std::move(*timing));
     }
@@ -119,7 +119,7 @@ class Numbers {
     progress_("contact steps, point probe");
     const auto timing = time_method(watch_, settings_.budget, proxy_of(0.0), scene_of(mesh_), slide_);
     if (!timing) return tl::unexpected(timing.error());
-    const auto peers = time_peers(*mesh_, make_queries(timing->felt, slide_.reset_every, kExtent_m));
+    const auto peers = time_peers(*mesh_, make_queries(timing->felt, slide_.reset_every, kExtentM));
     if (!peers) return tl::unexpected(peers.error());
     contact_peers_ = *peers;
     contact_p50_ns_ = timing->contact.p50_ns;
@@ -143,7 +143,7 @@ class Numbers {
     if (!free) return tl::unexpected(free.error());
     const auto timing = time_method(watch_, settings_.budget, proxy_of(0.0), scene_of(mesh_), *free);
     if (!timing) return tl::unexpected(timing.error());
-    const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtent_m));
+    const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtentM));
     if (!peers) return tl::unexpected(peers.error());
     add({"free-space step, " + size_, "p50", "ns", 10, false, "110",
          figures_of(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }),
@@ -156,7 +156,7 @@ class Numbers {
 
   Result<void> measure_sphere() {
     progress_("contact steps, sphere probe");
-    const auto timing = time_method(watch_, settings_.budget, proxy_of(kSphere_m), scene_of(mesh_), slide_);
+    const auto timing = time_method(watch_, settings_.budget, proxy_of(kSphereRadiusM), scene_of(mesh_), slide_);
     if (!timing) return tl::unexpected(timing.error());
     const std::string what = "contact step, sphere of 0.5 mm, " + size_;
     note_build(*timing, {});
@@ -194,7 +194,7 @@ class Numbers {
       if (!timing) return tl::unexpected(timing.error());
       note += fmt::format(" {:.0f} ({})", timing->contact.p50_ns, size);
       if (i > 0) continue;
-      auto peers = time_peers(*mesh, make_queries(timing->felt, slide->reset_every, kExtent_m));
+      auto peers = time_peers(*mesh, make_queries(timing->felt, slide->reset_every, kExtentM));
       if (!peers) return tl::unexpected(peers.error());
       first = timing->contact.p50_ns;
       first_peers = std::move(*peers);
@@ -218,7 +218,7 @@ class Numbers {
     const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.compared_steps / pieces));
     std::size_t fall_throughs = 0, stuck_steps = 0, bad = 0, contact = 0;
     double most_n = 0.0;
-    for (const double radius : {0.0, kSphere_m}) {
+    for (const double radius : {0.0, kSphereRadiusM}) {
       progress_(fmt::format("reference over {} steps, probe of {:g} mm", heads.p_SD.size(), 1e3 * radius));
       const auto reference = run_reference(watch_, scene_of(mesh_), heads, radius);
       if (!reference) return tl::unexpected(reference.error());

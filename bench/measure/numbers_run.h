@@ -13,7 +13,8 @@
 namespace hapton {
 
 struct NumbersSettings {
-  std::vector<std::size_t> ladder = {5000, 20000, 80000, 300000, 1000000};  // least triangles of each mesh; other rows use the last mesh
+  // Least number of triangles of each mesh on which the growth of the time is measured, from coarse to fine. Other rows use the finest.
+  std::vector<std::size_t> ladder = {5000, 20000, 80000, 300000, 1000000};
   std::size_t steps = 20000;
   std::size_t compared_steps = 2000;  // steps compared with the reference at every scale
   std::vector<int> scale_exponents = {-6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6};
@@ -56,8 +57,7 @@ struct NumbersReport {
 // Conditions under which the quoted CHAI3D values were measured.
 constexpr const char* kQuotedFrom =
     "CHAI3D 3.3.0, finger proxy, g++ 12 -O3 -march=native, one core of a 2-CPU AMD EPYC (Turin) guest, Debian 12, slides of the same kind "
-    "over "
-    "meshes of the same size at 10 units a metre; measured once, not in this run";
+    "over meshes of the same size at 10 units a metre; measured once, not in this run";
 
 // Measures all rows over bumpy spheres of 100 mm, then method `proxy` over these meshes, the smooth bumpy sphere and a rough one with
 // curvature radii smaller than the depth. Error: a method or structure that cannot be made.

@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kRing_m = 0.035;  // ring radius of each torus; with kTube_m it is 100 mm across
-constexpr double kTube_m = 0.015;
-constexpr double kSpacing_m = 0.14;  // leaves 40 mm between neighbours; the free trajectory goes 11 mm away from the torus
+constexpr double kRingRadiusM = 0.035;  // of each torus: from its axis to the middle of the tube
+constexpr double kTubeRadiusM = 0.015;  // so each torus is 100 mm across
+constexpr double kSpacingM = 0.14;      // leaves 40 mm between neighbours; the free trajectory goes 11 mm away from the torus
 
 struct Scenes {
   TouchScene all, alone;
@@ -29,7 +29,7 @@ struct Scenes {
 TriangleMesh make_object(std::size_t triangles) {
   const int around_tube = std::max(3, static_cast<int>(std::lround(std::sqrt(0.25 * static_cast<double>(triangles)))));
   const int around_axis = std::max(3, static_cast<int>(std::lround(0.5 * static_cast<double>(triangles) / around_tube)));
-  return make_torus(kRing_m, kTube_m, around_axis, around_tube);
+  return make_torus(kRingRadiusM, kTubeRadiusM, around_axis, around_tube);
 }
 
 Scenes make_scenes(std::size_t objects, std::size_t triangles) {
@@ -42,7 +42,7 @@ Scenes make_scenes(std::size_t objects, std::size_t triangles) {
   };
   for (std::size_t i = 0; i < objects; ++i) {
     scenes.all.objects.push_back(
-        {std::make_shared<TriangleMesh>(scaled_and_moved(one, 1.0, kSpacing_m * (place(i) - place(middle)))), Material{}});
+        {std::make_shared<TriangleMesh>(scaled_and_moved(one, 1.0, kSpacingM * (place(i) - place(middle)))), Material{}});
   }
   scenes.touched = scenes.all.objects[middle].mesh;
   scenes.alone.objects.push_back({scenes.touched, Material{}});
@@ -62,7 +62,7 @@ class Objects {
     if (!slide) return tl::unexpected(slide.error());
     const auto free = make_free_trajectory(*scenes_.touched, trajectory);
     if (!free) return tl::unexpected(free.error());
-    for (const double radius : {0.0, kSphere_m}) {
+    for (const double radius : {0.0, kSphereRadiusM}) {
       const std::string probe = radius == 0.0 ? "point" : "sphere of 0.5 mm";
       if (auto done = measure_steps("contact step, " + probe, radius, *slide, &MethodTiming::contact); !done) return done;
       if (auto done = measure_steps("free step, " + probe, radius, *free, &MethodTiming::free); !done) return done;

@@ -26,11 +26,11 @@ std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t i) {
 struct FirstHit {
   const TriangleMesh& mesh;
   const Vec3& from;
-  Vec3 way;
+  Vec3 motion;
   double t = kNothingFound;
 
   void test(std::uint32_t triangle) {
-    t = std::min(t, segment_hit<double>(from, way, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)));
+    t = std::min(t, segment_hit<double>(from, motion, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2)));
   }
 };
 
@@ -61,9 +61,9 @@ class Brute final : public QueryStructure {
   }
   double first_hit(const Vec3& from, const Vec3& to) override {
     const Point3<Real> p = from.template cast<Real>();
-    const Point3<Real> way = (to - from).template cast<Real>();
+    const Point3<Real> motion = (to - from).template cast<Real>();
     Real t = std::numeric_limits<Real>::infinity();
-    for (const auto& [a, b, c] : corners_) t = std::min(t, segment_hit<Real>(p, way, a, b, c));
+    for (const auto& [a, b, c] : corners_) t = std::min(t, segment_hit<Real>(p, motion, a, b, c));
     return static_cast<double>(t);
   }
   double nearest(const Vec3& p, double radius) override {
@@ -100,11 +100,11 @@ class Grid final : public QueryStructure {
     return hit.t;
   }
   double nearest(const Vec3& p, double radius) override {
-    for (double reach = std::min(radius, 0.5 * cell_);; reach = std::min(radius, 2.0 * reach)) {
-      Nearest near{mesh_, p, reach * reach};
-      const Vec3 cube = Vec3::Constant(reach);
+    for (double half_side = std::min(radius, 0.5 * cell_);; half_side = std::min(radius, 2.0 * half_side)) {
+      Nearest near{mesh_, p, half_side * half_side};
+      const Vec3 cube = Vec3::Constant(half_side);
       visit_cells(p - cube, p + cube, [&](std::uint32_t triangle) { near.test(triangle); });
-      if (near.found || reach >= radius) return near.distance();
+      if (near.found || half_side >= radius) return near.distance();
     }
   }
   std::size_t bytes() const override {

@@ -10,8 +10,9 @@ namespace hapton {
 namespace {
 
 // Radius of the queries for the nearest triangle, as a share of the extent: 2.5 mm for 100 mm, a firm press at 1 N/mm; a free choice.
-constexpr double kReachShare = 0.025;
-// Share of the extent by which single precision may differ from brute force: a quarter of the smallest fall-through.
+constexpr double kSearchRadiusShare = 0.025;
+// Share of the extent by which single precision may differ from brute force: a 25th of the depth from which a fall-through counts
+// (ForceError).
 constexpr double kAgreeShare = 1e-4;
 // Triangle tests by brute force for each kind of query, which take about a second: 20 to 500 queries, depending on the size of the mesh.
 constexpr double kMaxTriangleTests = 4e7;
@@ -67,7 +68,7 @@ QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std
 
 TouchQueries make_queries(std::span<const ForceSample> felt, std::size_t reset_every, double extent_m) {
   TouchQueries queries;
-  queries.radius = kReachShare * extent_m;
+  queries.radius = kSearchRadiusShare * extent_m;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     queries.points.push_back(felt[i].device);
     if (i == 0 || (reset_every > 0 && i % reset_every == 0)) continue;

@@ -32,7 +32,7 @@ struct QueryTiming {
   int repetitions = 0;
   std::size_t found = 0;     // timed queries that found something
   std::size_t compared = 0;  // queries compared with brute force in double
-  std::size_t agree = 0;     // those that are equal within 1e-4 of the extent, a quarter of the smallest fall-through
+  std::size_t agree = 0;     // those that are equal within 1e-4 of the extent, a 25th of the depth from which a fall-through counts
 };
 
 // Results of one structure over one mesh.

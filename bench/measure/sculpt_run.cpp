@@ -24,7 +24,7 @@ namespace {
 
 using SculptJson = nlohmann::ordered_json;
 
-constexpr double kHandSpeed = 0.2;            // m/s, the speed of a hand at work
+constexpr double kHandSpeedMPerS = 0.2;       // m/s, the speed of a hand at work
 constexpr std::size_t kStepsPerSurface = 33;  // steps of 1 ms after which vision_node computes the carved surface anew (CarvedObjects)
 
 struct SculptShape {
@@ -58,13 +58,13 @@ SculptMotion make_motion(const MeshBounds& bounds, std::size_t steps, std::uint6
       is_down = random() % 3 != 0;
       until = i + 200 + random() % 400;
     }
-    const Vec3 way = goal - at;
-    const double step_m = 1e-3 * kHandSpeed;
-    if (way.norm() <= step_m) {
+    const Vec3 to_goal = goal - at;
+    const double step_m = 1e-3 * kHandSpeedMPerS;
+    if (to_goal.norm() <= step_m) {
       at = goal;
       goal = point();
     } else {
-      at += way * (step_m / way.norm());
+      at += to_goal * (step_m / to_goal.norm());
     }
     motion.hand.push_back(at);
     motion.buttons.push_back(is_down ? 1U : 0U);
@@ -83,8 +83,8 @@ double ms_since(const Stopwatch& watch, std::uint64_t start) { return 1e-6 * wat
 constexpr int kRepetitions = 4;
 
 // For each 33 ms of carving: the time of the work that the thread of CarvedObjects then does, without preparing the surface for drawing.
-std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
-  CarvedField field = whole;
+std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField& uncarved, const std::vector<MadeAt>& carves) {
+  CarvedField field = uncarved;
   SurfaceNets nets;
   SurfaceNet net;
   std::vector<double> ns;
@@ -109,10 +109,10 @@ std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField
   return ns;
 }
 
-TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
-  std::vector<double> least = time_surfaces_once(watch, whole, carves);
+TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& uncarved, const std::vector<MadeAt>& carves) {
+  std::vector<double> least = time_surfaces_once(watch, uncarved, carves);
   for (int again = 1; again < kRepetitions; ++again) {
-    const std::vector<double> ns = time_surfaces_once(watch, whole, carves);
+    const std::vector<double> ns = time_surfaces_once(watch, uncarved, carves);
     for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], ns[i]);
   }
   return spread_of_times(std::move(least));
@@ -140,9 +140,9 @@ double time_whole_surface(const Stopwatch& watch, const CarvedField& field) {
   return ms_since(watch, start);
 }
 
-double time_undo(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
+double time_undo(const Stopwatch& watch, const CarvedField& uncarved, const std::vector<MadeAt>& carves) {
   CarveList list;
-  CarvedField field = whole;
+  CarvedField field = uncarved;
   for (const MadeAt& one : carves) {
     list.add(one.made);
     field.carve(one.made.carve);
@@ -151,7 +151,7 @@ double time_undo(const Stopwatch& watch, const CarvedField& whole, const std::ve
   const CarveRange press = list.find_press(list.newest());
   const std::uint64_t start = Stopwatch::ticks();
   list.undo(press);
-  restore_undone(list, 0, press, whole, field);
+  restore_undone(list, 0, press, uncarved, field);
   return ms_since(watch, start);
 }
 
@@ -171,14 +171,14 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   if (!made) return tl::unexpected(made.error());
   row.make_ms = ms_since(watch, start);
   ForceMethod& method = **made;
-  const Sculpture whole = *method.sculpture();
-  const CarvedField& field = whole.bodies()[0].field;
+  const Sculpture uncarved = *method.sculpture();
+  const CarvedField& field = uncarved.bodies()[0].field;
   row.nodes = field.grid().size();
   const SculptMotion motion = make_motion(bounds, settings.steps, seed);
   MethodOutput output;
   const auto before = [&](std::size_t i) {
     if (i != 0) return;
-    Sculpture again = whole;
+    Sculpture again = uncarved;
     method.restore_sculpture(again, 0);
     method.reset(motion.hand[0]);
   };

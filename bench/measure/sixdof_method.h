@@ -18,7 +18,7 @@ class SixdofMethod {
   virtual ToolOutput step(const Pose& X_SD) = 0;
   // Does what another thread does between two steps; it is not timed.
   virtual void follow() {}
-  // The pose at which the method holds the tool, in the local units of `exact`.
+  // The pose at which the method holds the tool, in the local frame and length unit of `exact`.
   virtual Placement placement(const ToolStep& exact) const = 0;
 };
 
@@ -38,7 +38,7 @@ SixdofMethodKind force_task(int every);
 // VoxelTool with voxels of this size.
 SixdofMethodKind voxel_tool(double voxel_m);
 
-// Converts a pose in frame S into the local units of `exact`.
+// Converts a pose in frame S into the local frame and length unit of `exact`.
 Placement local_placement(const ToolStep& exact, const Pose& X_SP);
 
 }  // namespace hapton

@@ -32,13 +32,13 @@ struct SixdofRow {
   double torque_angle_deg = 0.0;      // RMS of that angle for torque; 0 if no step expects a torque
   bool has_errors = false;
   std::size_t penetrations = 0;  // steps in which a triangle of the tool intersects one of the scene (exact)
-  double least_gap = 0.0;        // over all steps, as a share of the contact offset; infinite: never below 2
+  double least_gap = 0.0;        // smallest gap of all steps, as a share of the contact offset; infinite: never below 2
   double widest_gap_um = 0.0;    // largest gap up to 1 mm in contact, in every 16th step and scenes of at most 200,000 triangles; 0: none
-  std::size_t unconverged = 0;
-  int most_rounds = 0;
-  double mean_rounds = 0.0;  // mean over the steps in contact
-  int most_haptons = 0;
-  TimeSpread contact;  // times of SixdofMethod::step in the steps in contact
+  std::size_t unconverged = 0;   // steps whose proxy did not converge
+  int most_rounds = 0;           // most rounds of the proxy's iteration in one step
+  double mean_rounds = 0.0;      // mean over the steps in contact
+  int most_haptons = 0;          // most contacts of one step: local minima of the distance between tool and scene
+  TimeSpread contact;            // times of SixdofMethod::step in the steps in contact
 };
 
 struct SixdofReport {

@@ -19,17 +19,17 @@ Real segment_hit(const Point3<Real>& p, const Point3<Real>& motion, const Point3
   constexpr Real kNone = std::numeric_limits<Real>::infinity();
   const Point3<Real> ab = b - a;
   const Point3<Real> ac = c - a;
-  const Point3<Real> across = motion.cross(ac);
-  const Real determinant = ab.dot(across);
+  const Point3<Real> motion_x_ac = motion.cross(ac);
+  const Real determinant = ab.dot(motion_x_ac);
   if (determinant == Real(0)) return kNone;
   const Real inverse = Real(1) / determinant;
   const Point3<Real> ap = p - a;
-  const Real u = ap.dot(across) * inverse;
+  const Real u = ap.dot(motion_x_ac) * inverse;
   if (!(u >= Real(0) && u <= Real(1))) return kNone;
-  const Point3<Real> turned = ap.cross(ab);
-  const Real v = motion.dot(turned) * inverse;
+  const Point3<Real> ap_x_ab = ap.cross(ab);
+  const Real v = motion.dot(ap_x_ab) * inverse;
   if (!(v >= Real(0) && u + v <= Real(1))) return kNone;
-  const Real t = ac.dot(turned) * inverse;
+  const Real t = ac.dot(ap_x_ab) * inverse;
   return t >= Real(0) && t <= Real(1) ? t : kNone;
 }
 

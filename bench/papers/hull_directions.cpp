@@ -11,8 +11,6 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kSetSize = 64;  // triangles in a local set, as in the FDH paper
-
 Result<void> measure_local_sets(const HullDirectionsSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                                 const TouchTrajectory& trajectory, HullDirections& hulls) {
   SmoothSceneSettings own;

@@ -38,12 +38,12 @@ class SetWatch {
   void note_step(std::size_t step, const SmoothCounters& now, StepFacts& facts) {
     const bool took = now.offered != previous_counters_.offered;
     const bool selected = now.selections != previous_counters_.selections;
-    const bool asked_tree = now.overflows != previous_counters_.overflows;
+    const bool queried_tree = now.overflows != previous_counters_.overflows;
     if (took) made_step_ = selected_step_;
     if (selected) made_step_ = step;
     facts.offered += took ? 1 : 0;
-    facts.without_set += selected || asked_tree ? 1 : 0;
-    facts.beyond_set += asked_tree ? 1 : 0;
+    facts.without_set += selected || queried_tree ? 1 : 0;
+    facts.beyond_set += queried_tree ? 1 : 0;
     facts.at_work.push_back(now.skipped == previous_counters_.skipped ? 1 : 0);
     facts.age_steps.push_back(static_cast<double>(step - made_step_));
     previous_counters_ = now;

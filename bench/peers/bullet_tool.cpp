@@ -11,9 +11,9 @@ namespace {
 
 // Bullet's tolerances are made for bodies of 0.05 to 10 units, so a unit is a centimetre here.
 constexpr double kUnitsPerM = 100.0;
-constexpr double kMassKg = 0.1;
+constexpr double kMassKg = 0.1;  // of the tool; a free choice
 constexpr double kStepS = 1e-3;
-// The collision margin of each body, which keeps its surface apart from others.
+// The collision margin of each body, which keeps its surface apart from others; a free choice.
 constexpr double kMarginM = 1e-4;
 
 btVector3 to_bullet(const Vec3& v) { return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())}; }

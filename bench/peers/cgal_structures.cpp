@@ -37,8 +37,8 @@ class Cgal final : public QueryStructure {
     found_.clear();
     tree_.all_intersections(Segment(point(from), point(to)), std::back_inserter(found_));
     double t = kNothingFound;
-    const Vec3 way = to - from;
-    const auto part = [&](const Point& p) { return (Vec3(p.x(), p.y(), p.z()) - from).dot(way) / way.squaredNorm(); };
+    const Vec3 segment = to - from;
+    const auto part = [&](const Point& p) { return (Vec3(p.x(), p.y(), p.z()) - from).dot(segment) / segment.squaredNorm(); };
     for (const auto& one : found_) {
       if (const auto* p = boost::get<Point>(&one.first)) t = std::min(t, part(*p));
       if (const auto* s = boost::get<Segment>(&one.first)) t = std::min({t, part(s->source()), part(s->target())});

@@ -45,14 +45,14 @@ class Embree final : public QueryStructure {
   Embree& operator=(const Embree&) = delete;
 
   double first_hit(const Vec3& from, const Vec3& to) override {
-    const Vec3 way = to - from;
+    const Vec3 segment = to - from;
     RTCRayHit query = {};
     query.ray.org_x = static_cast<float>(from.x());
     query.ray.org_y = static_cast<float>(from.y());
     query.ray.org_z = static_cast<float>(from.z());
-    query.ray.dir_x = static_cast<float>(way.x());
-    query.ray.dir_y = static_cast<float>(way.y());
-    query.ray.dir_z = static_cast<float>(way.z());
+    query.ray.dir_x = static_cast<float>(segment.x());
+    query.ray.dir_y = static_cast<float>(segment.y());
+    query.ray.dir_z = static_cast<float>(segment.z());
     query.ray.tfar = 1.0F;
     query.ray.mask = 0xFFFFFFFFU;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;

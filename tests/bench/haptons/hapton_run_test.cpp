@@ -22,7 +22,7 @@ HaptonRun short_run() {
   return measure_haptons(settings);
 }
 
-TEST(MeasureHaptons, ChecksEveryPairOfEveryWay) {
+TEST(MeasureHaptons, ChecksEveryPairWithEveryCollider) {
   const HaptonRun run = short_run();
   ASSERT_GE(run.results.size(), 3U);
   EXPECT_TRUE(run.holds());

@@ -54,12 +54,12 @@ TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
   }
 }
 
-TEST(EffectErrorOf, AWrongParameterShows) {
+TEST(EffectErrorOf, TheFormulaDependsOnTheHeightOfBumps) {
   const auto cases = make_effect_cases(effect_plane());
   EffectCase bumps = find_case(cases, "bumps, ridges");
-  const auto right = EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
+  const auto force_n = EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
   bumps.surface.bumps.height_m *= 1.01;
-  EXPECT_GT((EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
+  EXPECT_GT((EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - force_n).norm(), 1e-4);
 }
 
 TEST(EffectErrorOf, ARecordedTextureHasNoFormula) {

@@ -29,7 +29,7 @@ TEST(FacetLocator, FindsTheNearestOfAll) {
 }
 
 // The path crosses a row of ten squares of two triangles each: ten diagonals, and nine sides between two squares.
-TEST(FacetLocator, CountsFacetsOnTheWay) {
+TEST(FacetLocator, CountsFacetsOnThePath) {
   const TriangleMesh mesh = make_plane_grid(0.1, 10);
   const FacetLocator locator(mesh);
   std::uint64_t crossed = 0;

@@ -75,8 +75,13 @@ TEST(MeshRun, TextCsvAndJsonNameEveryMesh) {
   std::getline(lines, header);
   while (std::getline(lines, line))
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
-  EXPECT_EQ(to_json(figures).size(), 2u);
-  EXPECT_NE(to_text(figures).find("two"), std::string::npos);
+  const nlohmann::ordered_json json = to_json(figures);
+  ASSERT_EQ(json.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(json[i]["mesh"], figures[i].mesh);
+    EXPECT_NE(csv.find("\n" + figures[i].mesh + ","), std::string::npos) << csv;
+    EXPECT_NE(to_text(figures).find(figures[i].mesh), std::string::npos);
+  }
 }
 
 TEST(MeshRun, EverySwitchIsARowWithItsCause) {

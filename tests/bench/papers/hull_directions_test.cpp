@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(CompareHullDirections, MoreDirectionsLookAtNoMoreTriangles) {
+TEST(CompareHullDirections, MoreDirectionsThanABoxTestNoMoreTriangles) {
   const auto rows = compare_hull_directions({.seed = 1, .steps = 400, .budget = {.repetitions = 1, .seconds = 0.05}},
                                             Stopwatch::calibrate(), make_bumpy_sphere(0.045, 0.2, 5000, 1));
   ASSERT_TRUE(rows) << rows.error().what;
@@ -21,7 +21,7 @@ TEST(CompareHullDirections, MoreDirectionsLookAtNoMoreTriangles) {
     EXPECT_EQ(h.structure.nearests.agree, h.structure.nearests.compared) << "wrong results are not a gain";
     EXPECT_EQ(h.structure.segments.agree, h.structure.segments.compared);
   }
-  EXPECT_LE((*rows)[1].triangles, 1.05 * (*rows)[0].triangles);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_LE((*rows)[i].triangles, 1.05 * (*rows)[0].triangles) << directions[i];
   EXPECT_GT((*rows)[3].structure.bytes, (*rows)[0].structure.bytes);
 }
 
