@@ -10,7 +10,8 @@ namespace hapton {
 namespace {
 
 constexpr int kMaxEventsPerCell = 16;  // as in StylusDynamics; after these the mass rests until the next cell
-// Cells (see cell_bits_) in one period of the fastest motion, or in 2 pi of its time constants.
+// Cells (see cell_bits_) in one period of the fastest motion, or in 2 pi of its time constants; a free choice. An event that begins and
+// ends within a cell is missed.
 constexpr double kCellsPerPeriod = 100.0;
 
 }  // namespace
@@ -24,7 +25,7 @@ AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
   if (device.friction_n > 0.0) {
     const double fastest = std::max(1e-3, compute_eigenvalues(plant_.a).cwiseAbs().maxCoeff());
     const double cell_ns = 1e9 * 2.0 * std::numbers::pi / (kCellsPerPeriod * fastest);
-    cell_bits_ = std::clamp(static_cast<int>(std::log2(cell_ns)), 4, 20);
+    cell_bits_ = std::clamp(static_cast<int>(std::log2(cell_ns)), 4, 20);  // 16 ns to 1 ms
   }
   sliding_ = make_steps(false);
   pinned_ = make_steps(true);

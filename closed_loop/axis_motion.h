@@ -74,8 +74,8 @@ class AxisMotion {
   int states_;
   int cell_bits_ = kMaxBits - 1;  // events are searched for in cells of 2^cell_bits_ ns
   AugmentedState net_force_;      // its product with states and inputs: the force on the motor mass, friction left out
-  Steps sliding_;
-  Steps pinned_;
+  Steps sliding_;                 // the motor mass moves
+  Steps pinned_;                  // friction holds the motor mass
 };
 
 }  // namespace hapton

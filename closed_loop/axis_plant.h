@@ -15,8 +15,8 @@ namespace hapton {
 //   state  x0 v0 [x1 v1 [x2 v2]] [force of the amplifier]        inputs  h, h', u, f
 //   d/dt state = a state + b inputs;  h' is the rate of h
 //
-// x0 is the position that the encoder reads. Coulomb friction is an input f here, because it depends on the motion (axis_motion.h). Units
-// SI. RT: no.
+// x0 is the position that the encoder reads. Coulomb friction is an input f here, because it depends on the motion (axis_motion.h). Any
+// other force on the motor mass adds to f. Units SI. RT: no.
 struct AxisPlant {
   static constexpr int kMaxStates = 2 * (DeviceModel::kMaxModes + 1) + 1;
   static constexpr int kInputs = 4;

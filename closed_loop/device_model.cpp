@@ -28,7 +28,7 @@ DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half
           .max_speed_m_per_s = 3.0};
 }
 
-// The values are those of devices/stylus_dynamics.h, so that the laboratory and the simulated device agree.
+// The values are those of devices/stylus_dynamics.h, so that this model and the simulated device agree.
 DevicePreset model_a_preset() {
   const double structure = 0.070 * std::pow(2.0 * std::numbers::pi * 30.0, 2);
   return {"model-a",

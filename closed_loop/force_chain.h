@@ -47,8 +47,8 @@ class ForceChain {
 
   struct Counters {
     std::uint64_t samples = 0;
-    std::uint64_t lost = 0;       // packets lost on both ways
-    std::uint64_t overtaken = 0;  // packets that arrived after a newer one or twice, on both ways
+    std::uint64_t lost = 0;       // packets lost in both directions
+    std::uint64_t overtaken = 0;  // packets that arrived after a newer one or twice, in both directions
     std::uint64_t replies = 0;
   };
 
@@ -72,7 +72,7 @@ class ForceChain {
   struct Packet {
     std::int64_t due_ns = 0;
     std::int64_t sample_ns = 0;
-    Vec3 value = Vec3::Zero();  // position on the way there, force on the way back
+    Vec3 value = Vec3::Zero();  // position of a sample, or force of a reply
     bool is_reply = false;
   };
 

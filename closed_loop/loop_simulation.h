@@ -19,8 +19,8 @@ struct LoopRow {
   double lost_j = 0.0;          // heat in the device since the start
 };
 
-// Hand, device, link and force program in closed loop, in simulated time: the same seed gives the same rows to the last bit. The axes are
-// alike and move independently; only the force program knows more than one. With one axis, y and z stay those of start_m. Units SI, ns;
+// Hand, device, link and force law in closed loop, in simulated time: the same seed gives the same rows to the last bit. The axes are
+// alike and move independently; only the force law couples them. With one axis, y and z stay those of start_m. Units SI, ns;
 // frame W. RT: no. Threads: one.
 class LoopSimulation {
  public:
@@ -59,7 +59,7 @@ class LoopSimulation {
   AxisMotion motion_;
   std::array<AxisMotion::State, 3> axes_;
   std::int64_t now_ns_ = 0;
-  std::int64_t tick_ns_ = 0;
+  std::int64_t tick_ns_ = 0;  // time of the next sample
 };
 
 }  // namespace hapton

@@ -11,6 +11,7 @@
 namespace hapton {
 namespace {
 
+// Resolution of the search over frequencies: free choices that trade time for accuracy.
 constexpr double kLowestTurn = 1e-3;  // rad over the whole delay; `slow_limit` is the limit of slower motions
 constexpr int kPointsPerTurn = 24;    // frequencies evaluated for each turn over the delay, added to kMinPoints
 constexpr int kMinPoints = 400;

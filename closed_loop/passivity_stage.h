@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Runs the governor's passivity controller in the laboratory's force chain, for chains without a governor.
+// Runs the governor's passivity controller in a simulated force chain that has no governor.
 class PassivityStage final : public ForceStage {
  public:
   struct Options {

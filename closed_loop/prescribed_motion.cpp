@@ -17,7 +17,7 @@ constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 // Goes from event to event: samples, forces that arrive, and events of the motion (next_ns). Calls on_piece(from_ns, to_ns, force_n) for
 // each piece of constant force.
 template <class Position, class Next, class OnPiece>
-void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Position position_m, Next next_ns, OnPiece on_piece) {
+void visit_pieces(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Position position_m, Next next_ns, OnPiece on_piece) {
   for (std::int64_t now_ns = 0, tick_ns = 0; now_ns < end_ns;) {
     if (now_ns == tick_ns) {
       chain.sample({position_m(now_ns), 0.0, 0.0}, now_ns);
@@ -146,7 +146,7 @@ EnergyOfMotion measure_energy(ForceChain& chain, const DeviceModel& device, cons
                               std::int64_t after_ns) {
   EnergyOfMotion energy;
   const auto position_m = [&](std::int64_t now_ns) { return path.position_m(now_ns).x(); };
-  follow(
+  visit_pieces(
       chain, period_ns, path.end_ns() + after_ns, position_m, [&](std::int64_t now_ns) { return path.next_ns(now_ns); },
       [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {
         const double speed = path.velocity_m_per_s(from_ns).x();
@@ -169,7 +169,7 @@ std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t 
   const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (settling + cycles)));
   Complex force;
   const auto turned = [&](std::int64_t ns) { return std::polar(1.0, -omega * to_seconds(ns)); };
-  follow(
+  visit_pieces(
       chain, period_ns, end_ns, [&](std::int64_t ns) { return bias_m + amplitude_m * std::sin(omega * to_seconds(ns)); },
       [](std::int64_t) { return kNever; },
       [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {

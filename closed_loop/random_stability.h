@@ -27,7 +27,7 @@ double measure_growth_per_s(const RandomLoop& loop, double stiffness_n_per_m);
 // start_n_per_m, or downwards if that is unstable. Infinite: no limit was found; 0: it is unstable however small. RT: no.
 double find_stable_stiffness_by_simulation(const RandomLoop& loop, double start_n_per_m);
 
-// Finds likewise the limit of a wall with damping only, by finite difference of the samples that reach the force program;
+// Finds likewise the limit of a wall with damping only, by finite difference of the samples that reach the force law;
 // loop.wall_damping_ns_per_m is ignored. Infinite: no limit was found; 0: it is unstable however small. RT: no.
 double find_stable_damping_by_simulation(const RandomLoop& loop, double start_ns_per_m);
 

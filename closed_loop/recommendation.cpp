@@ -9,7 +9,8 @@ namespace hapton {
 
 namespace {
 
-// This many shorter delays are tried, too: latency varies, and a loop that is stable with a long delay can be unstable with a shorter one.
+// This many shorter delays are tried, too (a free choice): latency varies, and a loop that is stable with a long delay can be unstable with
+// a shorter one.
 constexpr int kDelays = 32;
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 

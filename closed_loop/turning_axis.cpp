@@ -8,7 +8,7 @@
 namespace hapton {
 
 DeviceModel turning_axis(double max_torque_nm) noexcept {
-  constexpr double kStylusKgM2 = 1.5e-4;  // the value of devices/stylus_turn.h, so that the laboratory and the simulated device agree
+  constexpr double kStylusKgM2 = 1.5e-4;  // the value of devices/stylus_turn.h, so that this model and the simulated device agree
   return {.mass_kg = kStylusKgM2, .encoder_step_m = 2.0 * std::numbers::pi / model_a::kGimbalCounts, .max_force_n = max_torque_nm};
 }
 

@@ -6,7 +6,7 @@
 namespace hapton {
 
 // The stylus of a device whose motors turn it, about one axis through the device point: an axis as in device_model.h, with the units kg m^2
-// for kg, Nm s/rad for Ns/m, Nm for N and rad for m. So the whole laboratory applies to it: find_zwidth, for example, gives Nm/rad.
+// for kg, Nm s/rad for Ns/m, Nm for N and rad for m. So all of closed_loop/ applies to it: find_zwidth, for example, gives Nm/rad.
 
 // How stiffly a hand holds a stylus against turning is in no data sheet or study that we know of. Assumed: the hand's mass, damper and
 // spring act at this distance from the axis (devices/stylus_turn.h leaves out the mass).

@@ -153,7 +153,7 @@ double read_encoder(double position_m, double step_m) { return step_m > 0.0 ? st
 template <class PositionAt, class Visit>
 void visit_estimates(const VelocityFilter& filter, double period_s, double step_m, const PositionAt& position_at, const Visit& visit) {
   constexpr double kSettleS = 0.3;  // longer than the longest window at 250 Hz (kMaxWindow)
-  constexpr double kSeconds = 1.3;
+  constexpr double kSeconds = 1.3;  // length of the motion, so the estimate is measured for 1 s
   const auto estimator = make_velocity_estimator(filter, step_m);
   estimator->reset(0.0);
   for (int k = 1; k * period_s < kSeconds; ++k) {
@@ -234,7 +234,7 @@ std::unique_ptr<VelocityEstimator> make_velocity_estimator(const VelocityFilter&
 
 VelocityQuality measure_velocity(const VelocityFilter& filter, double period_s, double step_m) {
   VelocityQuality quality;
-  // The speeds are no multiples of each other, so that not all of them can fall into step with the encoder.
+  // The speeds are no multiples of each other: one that moves a whole number of encoder steps in a period shows no noise.
   for (const double speed : {0.00103, 0.00317, 0.0101, 0.0331, 0.1009, 0.3019}) {
     quality.noise_m_per_s = std::max(quality.noise_m_per_s, find_noise(filter, period_s, step_m, speed));
   }

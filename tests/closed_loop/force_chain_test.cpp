@@ -66,7 +66,7 @@ TEST(ForceChain, TheEncoderReadsWholeSteps) {
   }
 }
 
-TEST(ForceChain, TheForceComesAfterBothWays) {
+TEST(ForceChain, TheForceArrivesAfterBothDelays) {
   EchoLaw law;
   ForceChain chain(law, {.to_law = {.delay_ns = 2 * kMillisecond}, .from_law = {.delay_ns = 3 * kMillisecond}});
   EXPECT_EQ(chain.next_ns(), std::nullopt);
@@ -86,7 +86,7 @@ TEST(ForceChain, TheForceComesAfterBothWays) {
   EXPECT_EQ(chain.force_n(), along_x(1.0)) << "the newest holds until another has come";
 }
 
-TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
+TEST(ForceChain, LostPacketsAreCountedAndGiveNoForce) {
   EchoLaw law;
   ForceChain without_samples(law, {.to_law = {.loss = 1.0}});
   without_samples.sample(along_x(1.0), kMillisecond);
@@ -100,7 +100,7 @@ TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
   EXPECT_EQ(without_replies.force_n(), along_x(0.0));
 }
 
-TEST(ForceChain, ACopyIsTakenOnce) {
+TEST(ForceChain, ADuplicateIsAcceptedOnce) {
   EchoLaw law;
   ForceChain chain(law, {.to_law = {.duplicate = 1.0}, .from_law = {.duplicate = 1.0}});
   chain.sample(along_x(1.0), kMillisecond);
@@ -111,7 +111,7 @@ TEST(ForceChain, ACopyIsTakenOnce) {
 }
 
 // The jitter is many periods long: the law sees no older sample after a newer one, and forces come in the order of their samples.
-TEST(ForceChain, TheNewestWinsAtBothEnds) {
+TEST(ForceChain, BothEndsUseOnlyTheNewest) {
   EchoLaw law;
   ForceChain chain(law, {.to_law = {.jitter_ns = 20 * kMillisecond}, .from_law = {.jitter_ns = 20 * kMillisecond}, .seed = 3});
   double last = 0.0;
@@ -131,7 +131,7 @@ TEST(ForceChain, TheNewestWinsAtBothEnds) {
   EXPECT_NEAR(total_s, 1e-3 * (law.positions_m.back() - law.positions_m.front()), 1e-9);
 }
 
-TEST(ForceChain, TheMotorsGiveNoMoreThanTheyCan) {
+TEST(ForceChain, TheForceIsAtMostThatOfTheMotors) {
   EchoLaw law;
   ForceChain chain(law, {.max_force_n = 2.0});
   chain.sample({3.0, 4.0, 0.0}, kMillisecond);
@@ -177,7 +177,7 @@ TEST(ForceChain, TheFilterHoldsAForceForTwentyMillisecondsOfItsSample) {
   EXPECT_EQ(chain.force_n(), along_x(2.0));
 }
 
-TEST(ForceChain, TheGovernorIsTheOneOfTheNode) {
+TEST(ForceChain, TheGovernorLimitsRateAndMagnitude) {
   EchoLaw law;
   const DeviceLimits limits{.max_force_n = 3.0,
                             .max_slew_n_per_s = 100.0,

@@ -128,7 +128,7 @@ TEST(Integrators, TheWorstDifferenceIsOverTheShorterRun) {
   EXPECT_EQ(worst_difference(run, run), 0.0);
 }
 
-TEST(Integrators, ADifferenceThatIsNoNumberCounts) {
+TEST(Integrators, ANanDifferenceCounts) {
   const std::vector<double> run = {0.0, std::nan("")};
   const std::vector<double> reference = {0.0, 0.0};
   EXPECT_FALSE(worst_difference(run, reference) < 1.0);

@@ -38,7 +38,7 @@ TEST(DevicePresets, AreKnownByTheKindOfDevice) {
   EXPECT_TRUE(presets_of_device("replay").empty());
 }
 
-// The preset of the laboratory and the simulated device of io_node have the same parameters.
+// The preset model-a and the simulated device of io_node have the same parameters.
 TEST(DevicePresets, ModelAIsTheSimulatedDevice) {
   const DeviceModel& model = find_device_preset("model-a")->model;
   const StylusModel simulated;

@@ -60,7 +60,7 @@ TEST(EnergyOnset, EncoderStepsStayTheLimitWithDelay) {
 }
 
 // Expected is K e^(-jw delay), times (1 - e^(-jwT)) / jwT of the hold.
-TEST(RenderedStiffness, OfASpringIsTheHoldsAndTheDelays) {
+TEST(RenderedStiffness, OfASpringHasThePhaseOfHoldAndDelay) {
   const double period_s = 1e-3;
   // The last delay is many periods long: no force arrives in the first ones.
   for (const double delay_s : {0.0, 2.3e-3, 0.5}) {

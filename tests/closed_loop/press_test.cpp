@@ -56,7 +56,7 @@ TEST(Press, BeyondTheLimitBuzzesAndGivesEnergy) {
 }
 
 // The last row of the hold is moved out of the band of 5 %. Half of the peak-to-peak motion, the measure of a limit cycle, is less.
-TEST(Press, WhatLeavesItsPlaceAgainHasNotSettled) {
+TEST(Press, AMotionThatLeavesTheBandAgainHasNotSettled) {
   PressRun run = press(kIdeal, *find_hand_preset("stylus"), 1000.0);
   const auto row = std::find_if(run.rows.rbegin(), run.rows.rend(), [&](const LoopRow& r) { return r.time_ns < run.path.release_ns; });
   row->p_WD.x() -= 1.5 * 0.05 * run.measures.depth_m;
@@ -100,7 +100,7 @@ TEST(RestStiffness, FrictionRaisesIt) {
 }
 
 // Into a soft wall the hand moves so long that a force delayed by two seconds comes before the release; at a stiff wall none comes in time.
-TEST(RestStiffness, WhatNoForceReachesInTimeDoesNotRest) {
+TEST(RestStiffness, APressWithoutAForceBeforeTheReleaseDoesNotComeToRest) {
   PressCase loop{.device = kIdeal, .hand = *find_hand_preset("stylus")};
   loop.to_law.delay_ns = 2'000'000'000;
   EXPECT_LT(find_rest_stiffness(loop, 1e5), 20.0);

@@ -20,7 +20,7 @@ RandomLoop stylus_loop() {
   return {.device = {.mass_kg = 0.075, .damping_ns_per_m = 0.1}, .hand = *find_hand_preset("stylus"), .to_law = {.delay_ns = 5'000'000}};
 }
 
-TEST(RandomStability, WithoutChanceIsTheExactLimit) {
+TEST(RandomStability, WithoutJitterAndLossIsTheExactLimit) {
   const RandomLoop loop = stylus_loop();
   EXPECT_NEAR(find_stable_stiffness_by_simulation(loop, 100.0), exact_limit(loop), 0.005 * exact_limit(loop));
 }
@@ -40,7 +40,7 @@ TEST(RandomStability, JitterAndLossLowerTheLimit) {
   EXPECT_LT(find_stable_stiffness_by_simulation(loop, without_jitter), 0.99 * without_jitter);
 }
 
-TEST(RandomStability, GrowthHasTheSignOfTheLimit) {
+TEST(RandomStability, GrowthIsNegativeBelowTheLimitAndPositiveAboveIt) {
   RandomLoop loop = stylus_loop();
   loop.to_law.loss = 0.3;
   const double limit = find_stable_stiffness_by_simulation(loop, 100.0);
@@ -48,7 +48,7 @@ TEST(RandomStability, GrowthHasTheSignOfTheLimit) {
   EXPECT_GT(measure_growth_per_s(loop, 1.1 * limit), 0.0);
 }
 
-TEST(RandomStability, OfDampingWithoutChanceIsTheExactLimit) {
+TEST(RandomStability, OfDampingWithoutLossIsTheExactLimit) {
   for (const char* hand : {"off", "stylus", "firm"}) {
     RandomLoop loop = stylus_loop();
     loop.hand = *find_hand_preset(hand);
@@ -60,7 +60,7 @@ TEST(RandomStability, OfDampingWithoutChanceIsTheExactLimit) {
   }
 }
 
-TEST(MeanDelay, WithoutChanceIsTheDelay) {
+TEST(MeanDelay, WithoutJitterAndLossIsTheDelay) {
   for (const std::int64_t delay_ns : {0, 300'000, 5'000'000, 500'000'000}) {
     EXPECT_NEAR(measure_mean_delay_s({.to_law = {.delay_ns = delay_ns / 3}, .from_law = {.delay_ns = delay_ns - delay_ns / 3}}),
                 1e-9 * static_cast<double>(delay_ns), 1e-9);
@@ -95,7 +95,7 @@ TEST(MeanDelay, OfJitterIsThatOfTheNewestSample) {
     const RandomLoop loop{.to_law = {.jitter_ns = jitter_ns}, .seed = 5, .seconds = 200.0};
     const double expected_s = mean_delay_of_jitter(1e-9 * static_cast<double>(jitter_ns), 1e-3);
     EXPECT_NEAR(measure_mean_delay_s(loop), expected_s, 0.02 * expected_s) << jitter_ns;
-    EXPECT_LE(expected_s, 0.5e-9 * static_cast<double>(jitter_ns) * (1.0 + 1e-9)) << "the newest wins";
+    EXPECT_LE(expected_s, 0.5e-9 * static_cast<double>(jitter_ns) * (1.0 + 1e-9)) << "only the newest sample counts";
   }
 }
 

@@ -18,7 +18,7 @@ TEST(Recommendation, IsHalfOfWhatIsStable) {
   EXPECT_FALSE(advice.is_limited_by_device);
 }
 
-TEST(Recommendation, IsNoMoreThanTheDeviceBears) {
+TEST(Recommendation, IsAtMostWhatTheDeviceIsStatedToHold) {
   const DevicePreset& device = *find_device_preset("touch");
   const Recommendation advice = recommend_stiffness(device.model, device.limits, *find_hand_preset("stylus"), 10'000.0, 0.0);
   EXPECT_EQ(advice.stiffness_n_per_m, device.limits.max_stiffness_n_per_m);

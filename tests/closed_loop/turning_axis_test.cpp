@@ -39,7 +39,7 @@ double turn_left(double nm_per_rad, int delay_periods) {
 
 TEST(TurningAxis, HasTheInertiaOfTheSimulatedStylus) { EXPECT_EQ(turning_axis(0.17).mass_kg, StylusTurn::kInertiaKgM2); }
 
-// The axis of the laboratory and the simulated stylus have the same parameters: above the limit of the axis, turns of the stylus do not die
+// turning_axis() and the simulated stylus have the same parameters: above the limit of the axis, turns of the stylus do not die
 // out. The Euler steps of the simulation, 100 us, act half a step too early: a tenth of the delay of the hold.
 TEST(TurningAxis, ItsLimitIsThatOfTheSimulatedStylus) {
   for (const int periods : {0, 1, 3, 10}) {
