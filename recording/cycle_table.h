@@ -15,8 +15,8 @@
 
 namespace hapton {
 
-// One servo cycle of a recorded session with all that belongs to its sample of the device. Frame W, SI units; times since the beginning of
-// the recording. NaN: not known, because no force came for that sample.
+// One servo cycle of a recorded session with all that belongs to its sample of the device. Frame W (world), SI units; D: device point, T:
+// stylus, P: proxy. Times since the beginning of the recording. NaN: not known, because no force came for that sample.
 struct CycleRow {
   double sample_t_s = 0.0;  // time when the device was read
   std::uint64_t sample = 0;

@@ -8,8 +8,8 @@
 namespace hapton {
 
 // Determines which carves of the first haptics process were made before the recording began. The hub requests them, so they are received
-// during it. Nothing is carved without cycles, and each force tells the newest carve before its step: so the first force tells it exactly.
-// If a Carves message comes before it, as after the haptics node joined, all carves up to its newest count as earlier. RT: yes.
+// during it. Nothing is carved without cycles, and each force states the newest carve before its step: so the first force determines it
+// exactly. If a Carves message comes before it, as after the haptics node joined, all carves up to its newest count as earlier. RT: yes.
 class EarlierCarves {
  public:
   // Takes each message that the hub received, in their order.

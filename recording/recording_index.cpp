@@ -11,9 +11,10 @@
 namespace hapton {
 namespace {
 
-// Spacing of the places at which reading can begin: a seek reads at most this much before what it looks for.
-constexpr double kPlaceEveryS = 0.25;
-constexpr std::uint64_t kPlaceEveryBytes = 1 << 20;
+// Spacing of the positions at which reading can begin: a seek reads at most this much before what it looks for. Closer ones make the index
+// larger.
+constexpr double kSeekPointEveryS = 0.25;
+constexpr std::uint64_t kSeekPointEveryBytes = 1 << 20;
 // Times from a file are limited to this, so that the numbers of spans fit into 64 bits.
 constexpr double kMaxSeconds = 1e9;
 
@@ -130,9 +131,9 @@ Result<RecordingIndex> RecordingIndex::read(SessionReader& reader) {
   std::uint64_t position = reader.position();
   (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     const double t_s = seconds_from(start_ns, entry.time_ns);
-    const Place* last = index.places_.empty() ? nullptr : &index.places_.back();
-    if (last == nullptr || t_s >= last->t_s + kPlaceEveryS || (t_s >= last->t_s && position >= last->position + kPlaceEveryBytes)) {
-      index.places_.push_back({t_s, position});
+    const SeekPoint* last = index.seek_points_.empty() ? nullptr : &index.seek_points_.back();
+    if (last == nullptr || t_s >= last->t_s + kSeekPointEveryS || (t_s >= last->t_s && position >= last->position + kSeekPointEveryBytes)) {
+      index.seek_points_.push_back({t_s, position});
     }
     const std::uint64_t entry_position = std::exchange(position, reader.position());
     table.add(entry, datagram);
@@ -163,8 +164,8 @@ std::span<const RecordingSpan> RecordingIndex::spans_between(double from_s, doub
 }
 
 std::uint64_t RecordingIndex::find_position(double t_s) const {
-  const auto after = find_after(places_, t_s);
-  return after == places_.begin() ? places_.front().position : std::prev(after)->position;
+  const auto after = find_after(seek_points_, t_s);
+  return after == seek_points_.begin() ? seek_points_.front().position : std::prev(after)->position;
 }
 
 Pose RecordingIndex::find_view(std::optional<std::uint32_t> revision, double t_s) const {

@@ -130,8 +130,8 @@ class RecordingIndex {
     std::array<float, 12> X_WS = {};
     friend bool operator==(const View&, const View&) = default;
   };
-  // A place at which reading can begin.
-  struct Place {
+  // A position in the file at which reading can begin.
+  struct SeekPoint {
     double t_s = 0.0;
     std::uint64_t position = 0;  // SessionReader::position()
   };
@@ -155,7 +155,7 @@ class RecordingIndex {
   double end_s_ = 0.0;
   std::vector<RecordingSpan> spans_;
   std::vector<RecordingMark> marks_;
-  std::vector<Place> places_;
+  std::vector<SeekPoint> seek_points_;
   std::vector<Timed<View>> views_;
   std::vector<Timed<HapticsSetup>> setups_;
   std::vector<Timed<DeviceNotice>> notices_;

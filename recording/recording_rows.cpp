@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// A moment up to this far ahead is reached by reading on, a later one by a seek.
+// A moment up to this far ahead is reached by reading on, a later one by a seek; a free choice.
 constexpr double kReadOnS = 2.0;
 // A sample may be recorded up to this long after it was taken; a seek begins that much earlier, so that it is found.
 constexpr double kSlackS = 0.3;
@@ -17,7 +17,7 @@ bool has_reply(const CycleRow& row) { return row.p_WP.allFinite(); }
 
 RecordingRows::RecordingRows(SessionReader reader, const RecordingIndex& index)
     : index_(&index),
-      taken_(reader.header().session),
+      accepted_(reader.header().session),
       reader_(std::make_unique<SessionReader>(std::move(reader))),
       rows_(std::make_unique<std::deque<CycleRow>>()) {}
 
@@ -32,7 +32,7 @@ void RecordingRows::jump(double t_s) {
   from_s_ = t_s - 2.0 * kBeforeS;
   is_at_end_ = false;
   reader_->seek(index_->find_position(from_s_ - kSlackS));
-  taken_ = TakenDatagrams(reader_->header().session);
+  accepted_ = AcceptedDatagrams(reader_->header().session);
   table_ = std::make_unique<CycleTable>(
       reader_->header().start_ns,
       [rows = rows_.get()](const CycleRow& row) {
@@ -51,7 +51,7 @@ bool RecordingRows::read_entry() {
   }
   Datagram datagram;
   const bool is_readable = !entry.datagram.empty() && codec_.decode(entry.datagram, datagram) == DecodeStatus::ok;
-  table_->add(entry, is_readable && taken_.take(entry, datagram) ? &datagram : nullptr);
+  table_->add(entry, is_readable && accepted_.accept(entry, datagram) ? &datagram : nullptr);
   return true;
 }
 

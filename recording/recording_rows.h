@@ -11,19 +11,19 @@
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_reader.h"
+#include "recording/accepted_datagrams.h"
 #include "recording/cycle_table.h"
 #include "recording/recording_index.h"
-#include "recording/taken_datagrams.h"
 
 namespace hapton {
 
 // The samples of a recording around a moment. Only the rows near that moment are in memory: for a moment shortly after them the file is
-// read on, otherwise from a place shortly before it. Times as in RecordingIndex, never decreasing from row to row. RT: no. Threads: one.
+// read on, otherwise from a position shortly before it. Times as in RecordingIndex, never decreasing from row to row. RT: no. Threads: one.
 class RecordingRows {
  public:
   // The shortest time for which rows are kept after their own time, for statistics and for single steps backwards.
   static constexpr double kBeforeS = 1.0;
-  // latest_s of the CycleTable: a row does not wait longer for its force.
+  // latest_s of the CycleTable: a row does not wait longer for its force, and a jump reads on for that long where no force came.
   static constexpr double kLatestS = 0.5;
 
   // Pre: the index, of the same file, outlives it. Error: see SessionReader::open.
@@ -48,7 +48,7 @@ class RecordingRows {
   std::deque<CycleRow>::const_iterator find_after(double t_s) const;
 
   const RecordingIndex* index_;
-  TakenDatagrams taken_;
+  AcceptedDatagrams accepted_;
   std::unique_ptr<SessionReader> reader_;
   Codec codec_;
   std::unique_ptr<CycleTable> table_;

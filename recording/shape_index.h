@@ -51,6 +51,7 @@ class ShapeIndex {
   };
   // Most shapes in open_parts_, the newest of which parts have come: enough for a few incomplete ones of each of at most 8 objects.
   static constexpr std::size_t kMaxOpen = 64;
+  // Shapes at the beginning of shapes_ that may be from before the recording: one of each of at most 8 objects.
   static constexpr std::size_t kMaxFirst = 8;
 
   IndexedShape* find_shape(std::uint32_t source, std::int32_t object, std::uint32_t serial);

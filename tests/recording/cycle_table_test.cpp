@@ -24,7 +24,7 @@ struct TableWithRows {
   }
 };
 
-TEST(CycleTable, AForceStandsBesideItsSampleWheneverItCame) {
+TEST(CycleTable, AForceIsInTheRowOfItsSampleWheneverItArrives) {
   TableWithRows cycles;
   cycles.add_force(1, sample_ns(1) + 100'000);  // before the cycle is recorded, as on a fast network
   cycles.table.add(cycle_of(1), nullptr);
@@ -105,7 +105,7 @@ TEST(CycleTable, AGapIsNamedAndCounted) {
   EXPECT_EQ(cycles.table.gaps(), 2U);
 }
 
-TEST(CycleTable, AMarkerStandsAtItsSample) {
+TEST(CycleTable, AMarkerIsInTheRowOfItsSample) {
   TableWithRows cycles;
   cycles.table.add(marker_of(1, "begin"), nullptr);  // within the cycle, as usual
   cycles.table.add(cycle_of(1), nullptr);
@@ -212,7 +212,7 @@ TEST(CycleTable, AtMost64ForcesWaitForTheirCycles) {
   }
 }
 
-TEST(CycleTable, ForcesComputedBesideTheDevice) {
+TEST(CycleTable, ALocalForceReplacesThatOfTheHapticsNode) {
   TableWithRows cycles;
   for (const double force_n : {0.0, 0.3}) {
     SessionEntry local = cycle_of(force_n > 0.0 ? 2 : 1);
@@ -247,7 +247,7 @@ TEST(CycleTable, ARowWaitsForItsForceAsLongAsItMayCome) {
   EXPECT_EQ(cycles.table.rows(), 2U);
 }
 
-TEST(CycleTable, AFaultAfterTheLastCycleStandsBehindThoseOfTheCycle) {
+TEST(CycleTable, AFaultAfterTheLastCycleFollowsThoseOfTheCycle) {
   TableWithRows cycles;
   SessionEntry fault;
   fault.kind = SessionEntry::Kind::fault;
@@ -272,6 +272,7 @@ TEST(CycleTable, TimesOfAHostileFileDoNoHarm) {
   }
   cycles.table.finish();
   EXPECT_EQ(cycles.rows.size(), 3U);
+  for (const CycleRow& row : cycles.rows) EXPECT_TRUE(std::isfinite(row.sample_t_s) && row.v_WD.allFinite());
 }
 
 // Every exported file has these columns.

@@ -182,7 +182,7 @@ TEST(ObjectChanges, EachColumnHasTheValueThatItsNameSays) {
             "undone_first=12 undone_last=13 ");
 }
 
-// Another method, scene, way to load the scene, build or haptics node is another set-up: what is felt from then on is computed with it.
+// Another method, scene, way to load the scene, build or haptics node is another set-up: forces from then on are computed with it.
 TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
   ObjectChanges changes(kCyclesStartNs);
   HapticsSetup setup;

@@ -43,7 +43,7 @@ TEST(RecordingRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
   }
 }
 
-TEST(RecordingRows, PlayingOnFindsThemAll) {
+TEST(RecordingRows, ReadingOnFindsEverySample) {
   OpenedRecording opened;
   for (std::uint64_t sample = 1; sample <= 4000; sample += 16) {
     const CycleRow* row = opened.rows->at(1e-3 * (static_cast<double>(sample) + 0.5));

@@ -86,7 +86,7 @@ TEST_F(ShapeCollectorTest, WithoutAPartAShapeHasNoVertices) {
   receive_part(3, 0);
   receive_part(3, 64);
   collector.finish(take);
-  EXPECT_EQ(collected, std::vector<std::string>({"0.1?", "0.2"})) << "the third one was never felt";
+  EXPECT_EQ(collected, std::vector<std::string>({"0.1?", "0.2"})) << "the third one was never applied";
 }
 
 TEST_F(ShapeCollectorTest, AnotherProcessBeginsWithItsObjectsAtRest) {

@@ -1,4 +1,4 @@
-#include "recording/taken_datagrams.h"
+#include "recording/accepted_datagrams.h"
 
 #include <type_traits>
 #include <variant>
@@ -20,7 +20,7 @@ bool is_of_haptics(const Message& message) {
 
 }  // namespace
 
-bool TakenDatagrams::take(const SessionEntry& entry, const Datagram& datagram) noexcept {
+bool AcceptedDatagrams::accept(const SessionEntry& entry, const Datagram& datagram) noexcept {
   // A Hello belongs to no session.
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
     if (hello->role == NodeRole::haptics) {

@@ -12,13 +12,13 @@ namespace hapton {
 // other samples, and what only a haptics node may send, from another address than that of the hub's haptics node. Other datagrams that the
 // hub dropped (duplicates, those of unknown peers) pass. The address to which the hub sends the device's samples is that of the haptics
 // node, so reading may begin anywhere, and entries may be missing. RT: yes. Threads: one.
-class TakenDatagrams {
+class AcceptedDatagrams {
  public:
   // session: SessionHeader::session; 0: not known.
-  explicit TakenDatagrams(std::uint64_t session) noexcept : session_(session) {}
+  explicit AcceptedDatagrams(std::uint64_t session) noexcept : session_(session) {}
 
   // False: the datagram is left out. entry: the next one of the recording, received or sent, with this datagram.
-  bool take(const SessionEntry& entry, const Datagram& datagram) noexcept;
+  bool accept(const SessionEntry& entry, const Datagram& datagram) noexcept;
 
  private:
   std::uint64_t session_;
