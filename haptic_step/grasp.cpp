@@ -41,7 +41,7 @@ void Grasp::place(int object, const Pose& X_SO) {
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
   const bool is_held_down = is_down(state);
   const bool is_pressed = !std::exchange(was_down_, is_held_down) && is_held_down;
-  const bool is_answered = has_reply();
+  const bool is_replied = has_reply();
   const std::optional<ObjectPose> request = std::exchange(requested_pose_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
@@ -58,7 +58,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       }
       return Change::none;
     case Phase::requested:
-      if (!is_held_down || has_hand_left(state, X_WS) || (is_answered && !has_tool())) {
+      if (!is_held_down || has_hand_left(state, X_WS) || (is_replied && !has_tool())) {
         send(GraspRequest::Kind::cancel_pick_up);
         phase_ = Phase::idle;
         return Change::none;
@@ -78,7 +78,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
-      if (!is_answered) return Change::none;
+      if (!is_replied) return Change::none;
       // A reply to put_down means that the scene could not be built.
       displacements_[static_cast<std::size_t>(request_.object)] = displacement_before_;
       set_pose(request_.object, displacement_before_, false);

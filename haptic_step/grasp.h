@@ -11,6 +11,8 @@
 
 namespace hapton {
 
+// Frames: W world, S static scene, D device (the stylus), P probe or tool, O an object from its place in the scene file.
+
 // A request of the haptic step to the slow task.
 struct GraspRequest {
   enum class Kind : std::uint8_t { pick_up, cancel_pick_up, put_down };
@@ -29,8 +31,8 @@ struct GraspReply {
   HapticsSetup::Text method = {};  // the tool as text, as in HapticsSetup::method
 };
 
-// Hash and facts of a scene in which an object was put down. They are known some time after the scene can be felt: the larger the scene,
-// the longer they take.
+// Hash and facts of a scene in which an object was put down. They are known some time after the scene is in use: the larger the scene, the
+// longer they take.
 struct PlacedScene {
   std::uint32_t revision = 0;  // NewScene::revision
   std::uint64_t hash = 0;      // hash_scene
@@ -65,7 +67,7 @@ class Grasp {
   // Whether objects may leave their places at the next update(): not while a hub computes forces with parts of the scene in which they are
   // still there. Until they may, picking up and requested moves wait. True at the start.
   void set_may_leave(bool may_leave) noexcept { may_leave_ = may_leave; }
-  // Whether an object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is
+  // Whether an object is about to leave its place, has left it, or was put down and gives no force at its new place yet. An object that is
   // to be picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is
   // not certain that it can be picked up.
   bool is_object_away(bool is_early) noexcept;
@@ -91,7 +93,7 @@ class Grasp {
   // Keeps the drawn pose of the tool. To be called after each of its steps.
   void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
 
-  // An object has been put down, and the scene is not built again yet: no object can be felt.
+  // An object has been put down, and the scene is not built again yet: no object gives a force.
   bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
   // An object is picked up, held or put down: no other method may come into use.
   bool is_busy() const noexcept { return phase_ != Phase::idle; }

@@ -19,7 +19,7 @@ bool is_motion_known(const TouchInput& from, const DeviceState& to, std::int64_t
   return is_path_known(from.p_WD, to.p_WD, gap_ns) && (!is_tool || is_turn_known(from.q_WT, to.q_WT, gap_ns));
 }
 
-// Samples that are not finite tell nothing about the hand's path; they give no force.
+// Whether both samples are finite. Others say nothing about the hand's path; they give no force.
 bool are_finite(const TouchInput& from, const DeviceState& to) noexcept {
   return from.p_WD.allFinite() && from.q_WT.coeffs().allFinite() && to.p_WD.allFinite() && to.q_WT.coeffs().allFinite();
 }
@@ -94,11 +94,11 @@ ForceCommand HapticsStep::reply() noexcept {
   if (tool_ != nullptr || grasp_ != nullptr) reply.haptons = 0;
   if (grasp_ != nullptr) update_grasp();
   if (tool_ != nullptr) {
-    feel_tool(reply, is_tool_near);
+    render_tool(reply, is_tool_near);
   } else if (grasp_ != nullptr && grasp_->is_waiting()) {
-    feel_nothing(reply);
+    render_space_effects(reply);
   } else {
-    feel_probe(reply);
+    render_probe(reply);
   }
   // The torque of a tool that was put down fades; otherwise a probe has no torque.
   reply.torque_nm = torque_fade_.step(reply.torque_nm, reply.contact, input_.dt_s);
@@ -146,7 +146,7 @@ void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
   input_.time_s = 1e-9 * static_cast<double>(scene_time_ns_);
 }
 
-void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
+void HapticsStep::render_probe(ForceCommand& reply) noexcept {
   bool is_free_start = false;
   if (!is_running_) {
     const TouchInput start = make_start();
@@ -202,8 +202,8 @@ void HapticsStep::update_grasp() noexcept {
   if (change == Grasp::Change::returned) return_probe();
 }
 
-// The object is back at its place before the pick-up, and the probe continues outside of it from its last position. If something on the
-// way keeps it too far from the hand, it starts where the object was touched, as after an object was put down.
+// The object is back at its place before the pick-up, and the probe continues outside of it from its last position. If an obstacle
+// keeps it too far from the hand, it starts where the object was touched, as after an object was put down.
 void HapticsStep::return_probe() noexcept {
   const std::optional<Grasp::ResumeContact> start = grasp_->take_resume_contact(X_WS_);
   // The step for this sample is still to come: until then no time passes for effects.
@@ -218,7 +218,7 @@ void HapticsStep::return_probe() noexcept {
 
 // An object was put down, and the slow task is building the scene with it. The present method still has the object at its old place, so
 // only the effects in free space act.
-void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
+void HapticsStep::render_space_effects(ForceCommand& reply) noexcept {
   if (is_running_) {
     remember_reply();
   } else {
@@ -253,7 +253,7 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
 // After a gap the tool continues from its last pose on a free path: it loses no contact and passes through nothing. If the hand has gone
 // far meanwhile, it may have gone around something, and the tool would pull it back: then the tool begins anew. The effects of the scene
 // in free space act at the grip point.
-void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
+void HapticsStep::render_tool(ForceCommand& reply, bool is_near) noexcept {
   if (is_running_) {
     remember_reply();
   } else {
@@ -284,11 +284,11 @@ void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
   if (tool_output.contact) counts_.haptons += static_cast<std::uint64_t>(tool_output.proxy.haptons);
   if (tool_output.contact) counts_.most_haptons = std::max(counts_.most_haptons, tool_output.proxy.haptons);
   const Vec3 effects_n = touch_->step_in_space(input_);
-  const bool is_felt = tool_output.contact || !effects_n.isZero(0.0);
-  reply.force_n = fade_.step(tool_output.force_n + effects_n, is_felt, input_.dt_s);
+  const bool has_force = tool_output.contact || !effects_n.isZero(0.0);
+  reply.force_n = fade_.step(tool_output.force_n + effects_n, has_force, input_.dt_s);
   reply.torque_nm = tool_output.torque_nm;
   if (tool_output.contact) reply.haptons = static_cast<std::uint32_t>(tool_output.proxy.haptons);
-  reply.contact = is_felt || fade_.is_active();
+  reply.contact = has_force || fade_.is_active();
   if (grasp_ != nullptr) {
     grasp_->note_pose(tool_output.X_WP, X_WS_);
     reply.object = grasp_->object();
@@ -350,21 +350,22 @@ void HapticsStep::resume() noexcept {
 Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
 
 // Begins anew. The probe continues from its position, if it is in contact and the scene has not been turned since.
-void HapticsStep::restart_here(bool is_felt) noexcept {
+void HapticsStep::restart_here(bool is_in_contact) noexcept {
   const Vec3 held_m = held_offset();
   restart();
-  if (is_felt && input_.X_WS.matrix() == X_WS_.matrix()) resume_p_WP_ = input_.p_WD + held_m;
+  if (is_in_contact && input_.X_WS.matrix() == X_WS_.matrix()) resume_p_WP_ = input_.p_WD + held_m;
   resume_outward_W_ = held_m;
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.
 void HapticsStep::remember_reply() noexcept {
+  constexpr std::uint64_t kBits = 64;  // of replied_before_
   const std::uint64_t passed = state_.sample - last_sample_;
-  if (passed == 0 || passed > 64) {
+  if (passed == 0 || passed > kBits) {
     replied_before_ = 0;
     return;
   }
-  replied_before_ = (passed == 64 ? 0 : replied_before_ << passed) | (std::uint64_t{1} << (passed - 1));
+  replied_before_ = (passed == kBits ? 0 : replied_before_ << passed) | (std::uint64_t{1} << (passed - 1));
 }
 
 Vec3 HapticsStep::p_STouching() const noexcept {

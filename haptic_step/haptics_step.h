@@ -36,14 +36,15 @@ struct HapticsCounts {
 };
 
 // What the haptics node computes, without its threads, clock and link: device states and view transforms go in, force commands come out.
-// RT: all but construction yes. Threads: one.
+// Frames: W world, S static scene, D device point, T stylus, P probe or tool, O an object from its place in the scene file. RT: all but
+// construction yes. Threads: one.
 class HapticsStep {
  public:
   // offset_m: distance off the surface, on the side in contact, at which a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
 
-  // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. parts: the parts of the scene that
-  // move, the same that the tool was made for. Pre: the tool outlives this object.
+  // Before the first reply: the stylus holds a rigid tool, which is rendered in place of the method's probe. parts: the parts of the scene
+  // that move, the same that the tool was made for. Pre: the tool outlives this object.
   void hold(StylusTool* tool, std::vector<ToolPart> parts = {});
   bool holds_tool() const noexcept { return tool_ != nullptr; }
   // Before the first reply: sets what picks up movable objects with the stylus. parts: the parts of the scene that move; each tool of
@@ -58,7 +59,7 @@ class HapticsStep {
   // Whether, in the last reply, the tool gave no force because it has overlapped the scene since it was put there.
   bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
-  // Whether the hub may compute the force itself. It then sends few states, between which a hand goes far. When it wants forces
+  // Whether the hub may compute the force itself. It then sends few states, between which a hand goes far. When it needs forces
   // again, it sends the position of its probe (DeviceState::is_resumed).
   void set_thinned(bool is_thinned) noexcept { is_thinned_ = is_thinned; }
   // A newer state for the next reply; one still waiting is skipped. If the hand may have gone around something since the last reply (more
@@ -66,12 +67,13 @@ class HapticsStep {
   // rigid tool, also if it was turned by more than kResumeTurnRad meanwhile. With set_thinned(true) only state.is_resumed causes this.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
-  // There was a reply since the start or the last restart().
+  // Whether there was a reply since the start or the last restart().
   bool is_running() const noexcept { return is_running_; }
   // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
-  // A point of what touches, at the last reply, frame S: the device point, or a vertex of the tool of hold() in the device's pose. Contact.
+  // A point of the probe or tool at the last reply, frame S: the device point, or a vertex of the tool of hold() in the device's pose.
   Vec3 p_STouching() const noexcept;
+  // Whether there was contact at the last reply.
   bool has_contact() const noexcept { return output_.contact || is_tool_in_contact_; }
 
   // Tells the method where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
@@ -145,15 +147,15 @@ class HapticsStep {
 
  private:
   Vec3 held_offset() const noexcept;
-  void restart_here(bool is_felt) noexcept;
+  void restart_here(bool is_in_contact) noexcept;
   void remember_reply() noexcept;
-  void feel_probe(ForceCommand& reply) noexcept;
+  void render_probe(ForceCommand& reply) noexcept;
   void begin_at(const TouchInput& start) noexcept;
-  void feel_tool(ForceCommand& reply, bool is_near) noexcept;
+  void render_tool(ForceCommand& reply, bool is_near) noexcept;
   void set_parts(std::vector<ToolPart> parts);
   void place_parts() noexcept;
   void note_push(ForceCommand& reply) const noexcept;
-  void feel_nothing(ForceCommand& reply) noexcept;
+  void render_space_effects(ForceCommand& reply) noexcept;
   void update_grasp() noexcept;
   void return_probe() noexcept;
   void advance_scene(std::int64_t step_ns) noexcept;

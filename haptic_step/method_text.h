@@ -23,7 +23,7 @@ std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles, do
 // Reads the text of a tool. None: the text names a method, or to_text did not write it.
 std::optional<ToolCoupling> parse_tool_text(std::string_view text);
 
-// What stands behind "effects=" in a method text: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
+// The value of "effects=" in a method text: the effects from shared libraries that were added (PluginEffects::to_text). Empty: none.
 std::string_view effects_in(std::string_view method_text);
 
 }  // namespace hapton

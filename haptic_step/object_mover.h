@@ -28,7 +28,7 @@ class ObjectMover {
   static constexpr std::size_t kMaxWaiting = 16;  // requests, each for another object; one is carried out every 4 ms (decision 155)
   // The most moves of one object that begin later than now: the other half of the moves that CommandedMotion keeps is for the past.
   static constexpr std::int64_t kMaxFutureMoves = CommandedMotion::kMoves / 2;
-  static constexpr std::size_t kMaxReplies = 128;  // replies; they last longer than a sender waits until it repeats
+  static constexpr std::size_t kMaxReplies = 128;  // replies kept, so many that a sender repeats a request before its reply is dropped
 
   // source: as in ObjectMove.
   ObjectMover(const Scene& scene, std::uint32_t source);

@@ -18,8 +18,8 @@ class ConvergedSteps {
 
   struct Window {
     bool begins_sliding = false;  // at `start`: the dynamic coefficient of friction applies (ProxyMethod::is_sliding); true if not known
-    // Device point for which the proxy is at its position at `start`, frame S, m: the sample itself, or a point before it on the path of
-    // the device if the step ran out of work (ForceMethod::carried_from).
+    // Device point for which the proxy is at its position at `start`, frame S (static scene), m: the sample itself, or a point before it on
+    // the path of the device if the step ran out of work (ForceMethod::carried_from).
     Vec3 begins_at = Vec3::Zero();
     std::vector<ForceSample> felt;  // one for each of the `count` samples
   };

@@ -22,7 +22,7 @@ struct EffectsSettings {
 // Cost of the step of method proxy with one effect, on the same slide as without effects, and the error of its force on a plane.
 struct EffectsRow {
   std::string effect;
-  TimeSpread contact;
+  TimeSpread contact;                     // least times of the steps in contact
   double mean_ns = 0.0;                   // mean over all steps, without reading the clock in between; includes the time of other programs
   double added_ns = 0.0;                  // what the effect adds to the median time of a contact step
   std::optional<EffectError> error = {};  // none: as for measure_effect_error

@@ -141,7 +141,7 @@ TEST(HapticsStep, AnnouncingTheStartBuildsWhatIsNearAndChangesNothingElse) {
   EXPECT_EQ(command.replied_before, 0U);
 }
 
-TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
+TEST(HapticsStep, OnlyTheNewestStateGetsAReplyAndTheOthersAreCounted) {
   HapticsStep step(make_touch(), kOffset);
   States states;
   reply_to(step, states.at({0, 0.001, 0.001}));
@@ -332,7 +332,7 @@ struct HeldBox {
       made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {made::shared(made::sheet(0.1, 0.0, 6))}, {.stiffness_n_per_m = 1000.0})));
 };
 
-TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
+TEST(HapticsStep, AHeldToolReplacesTheProbe) {
   HapticsStep step(make_touch(), kOffset);
   HeldBox box;
   step.hold(box.tool.get());

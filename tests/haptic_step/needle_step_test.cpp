@@ -39,7 +39,7 @@ class NeedleStep : public testing::Test {
     return last;
   }
   // Pulls the needle out again: no spring, not even that of the skin, holds it back.
-  void expect_free_way_out(HapticsStep& step) {
+  void expect_free_retraction(HapticsStep& step) {
     double largest_pull_n = 0.0;
     for (double z = kDeep; z < 0.002; z += 2e-4) largest_pull_n = std::max(largest_pull_n, -move_to(step, z).force_n.z());
     EXPECT_LT(largest_pull_n, 2.0 * 0.2 + 1e-6) << "the drag at 0.2 m/s";
@@ -69,7 +69,7 @@ TEST_F(NeedleStep, GoesOnInAnotherNode) {
   EXPECT_TRUE(first.contact);
   EXPECT_EQ(first.object, 0);
   EXPECT_LT(first.force_n.norm(), 0.5) << "layers that it is past are punctured without a tension";
-  expect_free_way_out(second_node);
+  expect_free_retraction(second_node);
 }
 
 TEST_F(NeedleStep, GoesOnInANewSessionAndWithAnotherMethod) {
@@ -80,7 +80,7 @@ TEST_F(NeedleStep, GoesOnInANewSessionAndWithAnotherMethod) {
   EXPECT_EQ(move_to(step, kDeep).object, 0);
   (void)step.replace(make_needle());
   EXPECT_EQ(move_to(step, kDeep).object, 0);
-  expect_free_way_out(step);
+  expect_free_retraction(step);
 }
 
 TEST_F(NeedleStep, ASceneWithoutLayersSaysNothing) {

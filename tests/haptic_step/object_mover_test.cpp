@@ -73,7 +73,7 @@ struct ObjectMoverTest : testing::Test {
   }
 };
 
-// The felt motion, the announced motion and the reply agree.
+// The motion in the forces, the announced motion and the reply agree.
 TEST_F(ObjectMoverTest, ARequestMovesTheObjectAndItsForce) {
   for (int i = 0; i < 10; ++i) reply_to();
   const ObjectMover::Outcome outcome = execute(lift_request(0.03, 0.4));

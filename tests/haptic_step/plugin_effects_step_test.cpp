@@ -81,7 +81,7 @@ TEST_F(PluginEffectsStep, ANewSessionResetsThem) {
   }
 }
 
-TEST(MethodText, EffectsStandBesideTheSettings) {
+TEST(MethodText, EffectsAreReadFromTheTextAndAreNoSettings) {
   const std::string text = to_text({.name = "proxy", .probe_radius_m = 0.001});
   const std::string text_with_effects = text + " effects=magnet@0123456789abcdef,wind@0!cut cut=method";
   EXPECT_EQ(effects_in(text_with_effects), "magnet@0123456789abcdef,wind@0!cut");

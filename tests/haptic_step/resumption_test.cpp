@@ -78,7 +78,7 @@ TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
 }
 
 // Since then the hand has moved on from that position, through the sheet.
-TEST_F(Resumption, FromTheFreePlaceThatTheHubKnowsTheHandIsFollowed) {
+TEST_F(Resumption, AMotionFromTheFreePositionOfTheHubIsFollowed) {
   reply(0.005);
   DeviceState through = next(-0.002, 50 * kMillisecondNs);
   through.is_resumed = true;
@@ -121,8 +121,8 @@ TEST_F(Resumption, APositionThatIsNotFiniteTakesNoContactAway) {
   EXPECT_EQ(after.replied_before & 0b111U, 0b111U) << "no session ended";
 }
 
-// The hub asks in each sample to continue from the position of its probe, until a reply comes.
-TEST_F(Resumption, SeveralSamplesThatAskToContinueAreOneStart) {
+// The hub requests in each sample to continue from the position of its probe, until a reply comes.
+TEST_F(Resumption, SeveralRequestsToContinueAreOneStart) {
   reply(0.005);
   std::uint64_t replied_before = 0;
   for (int n = 0; n < 4; ++n) {
@@ -144,7 +144,7 @@ TEST_F(Resumption, AViewThatMovesNothingLeavesTheContact) {
   EXPECT_TRUE(reply(-0.003).contact);
 }
 
-TEST_F(Resumption, WhereTheSceneWasTurnedTheOldPlaceIsNotUsed) {
+TEST_F(Resumption, AfterTheSceneWasTurnedTheOldPositionIsNotUsed) {
   ViewTransform lower{.revision = 2};
   lower.X_WS[11] = -0.001F;
   for (const bool turns_first : {false, true}) {

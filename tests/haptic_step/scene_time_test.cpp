@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kOffset = 1e-5;
+constexpr double kSceneTimeOffsetM = 1e-5;  // at which a new method starts off the surface
 
 // A plate whose top rises from 0 by 100 mm a second, for a second.
 TouchScene rising_plate(bool moves = true) {
@@ -28,7 +28,7 @@ TouchScene rising_plate(bool moves = true) {
 std::unique_ptr<TouchStep> touch_of(const TouchScene& scene) { return std::make_unique<TouchStep>(*make_method({}, scene), scene); }
 
 struct SceneTime : testing::Test {
-  HapticsStep step{touch_of(rising_plate()), kOffset};
+  HapticsStep step{touch_of(rising_plate()), kSceneTimeOffsetM};
   std::uint64_t sample = 100;
   std::int64_t time_ns = 7'000'000'000;
 
@@ -45,7 +45,7 @@ TEST_F(SceneTime, BeginsWithTheFirstReplyAndRunsWithTheSamples) {
   EXPECT_EQ(reply_to(4'000'000).scene_time_ns, 5'000'000);
 }
 
-// The plate is felt at the pose that it has at the scene time in the reply.
+// The force is that of the plate at its pose at the scene time in the reply.
 TEST_F(SceneTime, TheForceIsThatOfTheTimeInTheReply) {
   const Vec3 hand(0.01, 0.0, 0.005);
   reply_to(0, hand);
@@ -56,7 +56,7 @@ TEST_F(SceneTime, TheForceIsThatOfTheTimeInTheReply) {
   }
 }
 
-TEST_F(SceneTime, StandsStillInAGapAndBetweenSessions) {
+TEST_F(SceneTime, AdvancesByAtMost50MsInAGapAndNotBetweenSessions) {
   reply_to(0);
   reply_to(10'000'000);
   EXPECT_EQ(reply_to(3'000'000'000).scene_time_ns, 10'000'000 + HapticsStep::kMaxSceneStepNs);
@@ -102,7 +102,7 @@ TEST_F(SceneTime, GoesOnWithAnotherMethod) {
 
 // Vision nodes get only changes that can be seen, so the time of a still scene stays 0.
 TEST(SceneTimeOfStillScenes, Is0) {
-  HapticsStep step(touch_of(rising_plate(false)), kOffset);
+  HapticsStep step(touch_of(rising_plate(false)), kSceneTimeOffsetM);
   for (std::uint64_t i = 1; i < 5; ++i) {
     step.offer({.sample = i, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(i)});
     EXPECT_EQ(step.reply().scene_time_ns, 0);
