@@ -150,10 +150,10 @@ class ObbFront {
   static constexpr std::size_t kMaxFrontPairs = 1U << 17;  // pairs of the front
   static constexpr std::size_t kBlock = 64;                // pairs that share a bound (block_bounds_)
   static constexpr std::size_t kCachedBoxes = 512;         // boxes that a worker caches
-  static constexpr std::size_t kMinFirstPairs = 256;       // pairs that a walk from the roots begins at, to be shared out
+  static constexpr std::size_t kMinFirstPairs = 256;       // a walk from the roots begins at that many pairs, to be shared out
   static constexpr double kFastTurn = 0x1p-7;              // rad in a walk: from this on, planes would soon be useless, and none is stored
   static constexpr std::size_t kTogether = 8;              // places that a worker takes at a time
-  static constexpr std::size_t kMinPlacesForTeam = 32;     // places: with fewer, one worker makes the walk
+  static constexpr std::size_t kMinPlacesForTeam = 32;  // with fewer places, one worker makes the walk: waking the others may take longer
 
   const ObbTree* tool_;
   const ObbTree* scene_;
