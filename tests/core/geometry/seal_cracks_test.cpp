@@ -110,6 +110,7 @@ TEST(SealCracks, WideGapsDoNotKeepNarrowOnesOpen) {
   }
 }
 
+// T-junctions are along each edge of the box and along the equator of the spheres, whose meridians have cracks only.
 TEST(SealCracks, ClosesTJunctionsBetweenSheetsCutApart) {
   for (const double width : kWidths) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
