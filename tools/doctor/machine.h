@@ -89,7 +89,8 @@ class Machine {
   bool exists(std::string_view path) const;
   std::optional<FileFacts> facts(std::string_view path) const;
   std::string link_name(std::string_view path) const;  // last component of a symbolic link's target; empty: not a link
-  std::string real_path(std::string_view path) const;  // with links resolved, without the root; empty: no such file
+  // With links resolved, without the root; empty: no such file. Pre: no link leads out of the root.
+  std::string real_path(std::string_view path) const;
   // Whether this user may read and write the file, or read it; found without opening it.
   bool may_use(std::string_view path) const;
   bool may_read(std::string_view path) const;

@@ -1,7 +1,10 @@
 #include "tools/doctor/machine.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <string>
 
 #include "tests/tools/doctor/fake_machine.h"
 
@@ -26,7 +29,7 @@ TEST(Machine, ReadsFilesBelowItsRoot) {
   EXPECT_FALSE(machine.list("/").empty());
 }
 
-TEST(Machine, FollowsLinksWithoutLeavingItsRoot) {
+TEST(Machine, ResolvesLinksBelowItsRoot) {
   const FakeMachine fake;
   const Machine machine = fake.make();
   EXPECT_EQ(machine.real_path("/sys/class/hidraw/hidraw0"), "/sys/devices/usb1/1-1/1-1:1.0/hidraw0/hidraw/hidraw0");
@@ -36,21 +39,36 @@ TEST(Machine, FollowsLinksWithoutLeavingItsRoot) {
 }
 
 TEST(Machine, KnowsTheUserAndItsGroups) {
+  constexpr uid_t kUid = 4321;
+  constexpr gid_t kPrimaryGid = 7777;  // FakeMachine::set_user
+  constexpr gid_t kHaptonGid = 7001;
+  constexpr gid_t kUnnamedGid = 7002;  // not in /etc/group
+  constexpr gid_t kPlugdevGid = 46;
   const FakeMachine fake;
-  fake.set_user(4321, "7001 7002", "0000000000800000");
-  fake.write("/etc/group", "hapton:x:7001:\nplugdev:x:46:ada,bob\naudio:x:63:bob\nbroken\n");
+  fake.set_user(kUid, fmt::format("{} {}", kHaptonGid, kUnnamedGid), fmt::format("{:016x}", 1U << User::kSysNice));
+  fake.write("/etc/group", fmt::format("hapton:x:{}:\nplugdev:x:{}:ada,bob\naudio:x:63:bob\nbroken\n", kHaptonGid, kPlugdevGid));
   const Machine machine = fake.make();
-  EXPECT_EQ(machine.user().uid, 4321U);
+  EXPECT_EQ(machine.user().uid, kUid);
   EXPECT_EQ(machine.user().name, "ada");
-  EXPECT_TRUE(machine.user().is_in(7777));
-  EXPECT_TRUE(machine.user().is_in(7002));
-  EXPECT_FALSE(machine.user().is_in(46));
+  EXPECT_TRUE(machine.user().is_in(kPrimaryGid));
+  EXPECT_TRUE(machine.user().is_in(kHaptonGid));
+  EXPECT_TRUE(machine.user().is_in(kUnnamedGid));
+  EXPECT_FALSE(machine.user().is_in(kPlugdevGid)) << "not in this session";
   EXPECT_TRUE(machine.user().has_capability(User::kSysNice));
   EXPECT_FALSE(machine.user().has_capability(User::kIpcLock));
-  EXPECT_TRUE(machine.find_group("hapton")->has_user);   // in the groups of this session
-  EXPECT_TRUE(machine.find_group("plugdev")->has_user);  // in /etc/group
-  EXPECT_FALSE(machine.find_group("audio")->has_user);
+  const auto hapton = machine.find_group("hapton");
+  ASSERT_TRUE(hapton);
+  EXPECT_EQ(hapton->gid, kHaptonGid);
+  EXPECT_TRUE(hapton->has_user) << "in the groups of this session";
+  const auto plugdev = machine.find_group("plugdev");
+  ASSERT_TRUE(plugdev);
+  EXPECT_EQ(plugdev->gid, kPlugdevGid);
+  EXPECT_TRUE(plugdev->has_user) << "in /etc/group";
+  const auto audio = machine.find_group("audio");
+  ASSERT_TRUE(audio);
+  EXPECT_FALSE(audio->has_user);
   EXPECT_FALSE(machine.find_group("wheel"));
+  EXPECT_FALSE(machine.find_group("broken"));
 }
 
 TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
@@ -61,8 +79,8 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   };
   EXPECT_TRUE(may_use(0660));
   EXPECT_FALSE(may_use(0640));
-  EXPECT_FALSE(may_use(0606));  // a member of the group is not among the others
-  fake.set_user(fake.another_uid(), "7001");
+  EXPECT_FALSE(may_use(0606));                // a member of the group is not among the others
+  fake.set_user(fake.another_uid(), "7001");  // a group that the file does not have
   EXPECT_FALSE(may_use(0660));
   EXPECT_TRUE(may_use(0606));
   EXPECT_FALSE(fake.make().may_use("/dev/nothing"));
@@ -70,14 +88,15 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
 
 TEST(Machine, SeesProcessesAndTheEnvironment) {
   const FakeMachine fake;
-  fake.set_environment(std::string("A=1\0HOME=/home/ada\0EMPTY=\0", 26));
+  using namespace std::string_literals;
+  fake.set_environment("A=1\0HOME=/home/ada\0EMPTY=\0"s);
   const Machine machine = fake.make();
   EXPECT_EQ(machine.find_process("io_node"), 77);
   EXPECT_FALSE(machine.find_process("sofa"));
   EXPECT_EQ(machine.environment("HOME"), "/home/ada");
   EXPECT_EQ(machine.environment("A"), "1");
   EXPECT_EQ(machine.environment("EMPTY"), "");
-  EXPECT_EQ(machine.environment("OM"), "");
+  EXPECT_EQ(machine.environment("OM"), "") << "part of a name";
 }
 
 TEST(Words, AreCutFromLines) {
