@@ -17,7 +17,7 @@ double bisect(double low, double high, double fine, const Holds& holds) {
 
 struct ValueRange {
   double first = 1.0;       // value at which the search begins; above zero
-  double stride = 1.3;      // ratio of each value tried to the one before; above one
+  double ratio = 1.3;       // ratio of each value tried to the one before; above one
   double least = HUGE_VAL;  // if first fails, the search goes down to this value; above zero; default: it does not go down
   double most = HUGE_VAL;
 };
@@ -28,7 +28,7 @@ template <class Holds>
 double find_largest_value(const ValueRange& range, double fine, const Holds& holds) {
   double low = 0.0;
   double high = range.first;
-  for (; holds(high); high *= range.stride) {
+  for (; holds(high); high *= range.ratio) {
     low = high;
     if (high > range.most) return range.most;
   }

@@ -19,6 +19,9 @@ class PassivityStage final : public ForceStage {
     double max_force_n = 0.0;  // 0: unlimited
   };
 
+  // The damping that a device can render: a quarter of that which stops its mass within one period.
+  static constexpr double renderable_damping_ns_per_m(double mass_kg, double rate_hz) noexcept { return 0.25 * mass_kg * rate_hz; }
+
   explicit PassivityStage(const Options& options) : options_(options), controller_(options.device) {}
 
   void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept override {

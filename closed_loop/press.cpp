@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kClearanceM = 0.005;   // before the surface, where a press begins
 constexpr double kSettledShare = 0.05;  // share of the depth
+constexpr double kStillShare = 0.01;    // share of the depth
+constexpr double kEncoderSteps = 2.0;   // a motion of so many steps always counts as settled and still: the encoder may cause it by itself
 constexpr double kLowestBuzzHz = 5.0;   // a hand follows slower oscillations
 
 std::int64_t to_ns(double seconds) { return static_cast<std::int64_t>(1e9 * seconds); }
@@ -45,7 +47,7 @@ void measure_hold(Rows hold, double encoder_step_m, PressMeasures& press) {
     high = std::max(high, row.p_WD.x());
   }
   press.limit_cycle_m = last.empty() ? 0.0 : 0.5 * (high - low);
-  const double band_m = std::max(kSettledShare * std::fabs(press.depth_m), 2.0 * encoder_step_m);
+  const double band_m = std::max(kSettledShare * std::fabs(press.depth_m), kEncoderSteps * encoder_step_m);
   double deepest_m = 0.0;
   press.settling_s = 0.0;
   bool is_settled = true;
@@ -99,6 +101,10 @@ PressPath make_press_path(const HandModel& hand, const PressPlan& plan) {
   return press;
 }
 
+bool PressMeasures::is_still(double encoder_step_m) const noexcept {
+  return limit_cycle_m <= std::max(kEncoderSteps * encoder_step_m, kStillShare * std::fabs(depth_m));
+}
+
 PressMeasures measure_press(const std::vector<LoopRow>& rows, const PressPath& path, std::int64_t period_ns, double encoder_step_m,
                             bool is_bounded) {
   PressMeasures press;
@@ -133,15 +139,13 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
-  constexpr double kStillShare = 0.01;  // share of the depth; two steps of the encoder are always permitted
-  return measures.has_contact &&
-         measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStillShare * std::fabs(measures.depth_m));
+  return measures.has_contact && measures.is_still(press.device.encoder_step_m);
 }
 
 }  // namespace
 
 double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
-  const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 0.01, .most = most_n_per_m};
+  const ValueRange range = {.first = 10.0, .ratio = 1.3, .least = 0.01, .most = most_n_per_m};
   constexpr double kFine = 0.01;  // relative width at which the search ends
   return find_largest_value(range, kFine, [&](double stiffness_n_per_m) { return comes_to_rest(press, stiffness_n_per_m); });
 }

@@ -43,6 +43,9 @@ struct PressMeasures {
   double wall_j = 0.0;            // work of the motors over press and release: above zero the wall gave energy
   double generated_j = 0.0;       // wall_j less the heat in the device: above zero a passive hand gained energy
   double most_generated_j = 0.0;  // largest generated_j at any time: above zero the hand had gained energy by then
+
+  // Whether the limit cycle is at most two encoder steps or 1 % of the depth, whichever is larger. RT: yes.
+  bool is_still(double encoder_step_m) const noexcept;
 };
 
 // Pre: rows are those of one press, with samples one period apart. RT: no.
@@ -60,9 +63,9 @@ struct PressCase {
   std::uint64_t seed = 1;
 };
 
-// The largest stiffness up to which a press comes to rest: its motion is bounded, there is a force before the release, and its limit cycle
-// is at most two encoder steps or 1 % of the depth, whichever is larger. Unlike the limit of stability, it includes encoder steps, friction
-// and saturation. Searched upwards in equal ratios up to most_n_per_m, then by bisection to 1 %. RT: no.
+// The largest stiffness up to which a press comes to rest: its motion is bounded, there is a force before the release, and it is still
+// (PressMeasures::is_still). Unlike the limit of stability, it includes encoder steps, friction and saturation. Searched upwards in equal
+// ratios up to most_n_per_m, then by bisection to 1 %. RT: no.
 double find_rest_stiffness(const PressCase& press, double most_n_per_m);
 
 // A line of a spectrum. The amplitude has the unit of the signal.

@@ -54,27 +54,28 @@ std::string remote_method_names() {
 Result<RemoteScene> make_remote_scene(std::shared_ptr<const TriangleMesh> mesh, const Material& material) {
   TouchScene scene;
   scene.objects.push_back({mesh, material});
-  auto far = make_method({}, scene);
-  if (!far) return tl::unexpected(far.error());
-  auto near = make_method({}, scene);
-  if (!near) return tl::unexpected(near.error());
-  return RemoteScene{std::move(mesh), material.stiffness_n_per_m, std::move(*far), std::move(*near), make_tiles(scene)};
+  auto measured_method = make_method({}, scene);
+  if (!measured_method) return tl::unexpected(measured_method.error());
+  auto zero_delay_method = make_method({}, scene);
+  if (!zero_delay_method) return tl::unexpected(zero_delay_method.error());
+  return RemoteScene{std::move(mesh), material.stiffness_n_per_m, std::move(*measured_method), std::move(*zero_delay_method),
+                     make_tiles(scene)};
 }
 
 std::unique_ptr<RemoteTouch> make_remote_touch(const RemoteMethod& method, const RemoteScene& scene, const RemoteNetwork& network,
                                                const RemoteSettings& settings) {
   switch (method.scheme) {
     case Scheme::whole:
-      return std::make_unique<WholeScene>(scene.far);
+      return std::make_unique<WholeScene>(scene.measured_method);
     case Scheme::force:
-      return std::make_unique<RemoteForce>(scene.far, network);
+      return std::make_unique<RemoteForce>(scene.measured_method, network);
     case Scheme::plane:
-      return std::make_unique<RemotePlane>(scene.far, network);
+      return std::make_unique<RemotePlane>(scene.measured_method, network);
     case Scheme::deadband:
-      return std::make_unique<RemoteDeadband>(scene.far, network,
+      return std::make_unique<RemoteDeadband>(scene.measured_method, network,
                                               RemoteDeadband::Options{.fraction = settings.deadband, .prediction = method.prediction});
     case Scheme::patch:
-      return std::make_unique<RemotePatch>(scene.far, scene.tiles, network,
+      return std::make_unique<RemotePatch>(scene.measured_method, scene.tiles, network,
                                            RemotePatch::Options{.source = {.bits_per_s = settings.patch_bits_per_s}});
   }
   return nullptr;

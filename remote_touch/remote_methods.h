@@ -39,8 +39,9 @@ std::string remote_method_names();
 struct RemoteScene {
   std::shared_ptr<const TriangleMesh> mesh;
   double stiffness_n_per_m = 0.0;
-  std::shared_ptr<ForceMethod> far;   // the method of the haptics node
-  std::shared_ptr<ForceMethod> near;  // the method beside the device, for comparison
+  // The same method twice, since each run of both at the same time needs a proxy of its own.
+  std::shared_ptr<ForceMethod> measured_method;    // of the RemoteMethod that is measured, at the haptics node or beside the device
+  std::shared_ptr<ForceMethod> zero_delay_method;  // computes the force without delay, with which it is compared
   TiledScene tiles;
 };
 Result<RemoteScene> make_remote_scene(std::shared_ptr<const TriangleMesh> mesh, const Material& material);

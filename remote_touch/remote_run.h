@@ -13,7 +13,10 @@
 
 namespace hapton {
 
-// The hand's device, as in the laboratory.
+// Servo period of all runs, s.
+constexpr double kRemotePeriodS = 1e-3;
+
+// The device and the hand that holds it, as in closed_loop/.
 struct RemoteDevice {
   DeviceModel model;
   DeviceLimits limits;
@@ -29,7 +32,7 @@ struct RemoteCase {
   double stall_s = 0.0;  // mean length of the stalls of the device's machine (machine_stalls.h); run_prescribed only
 };
 
-// Datagrams, and bytes of IP packets, a second; including the nodes' Hello and Welcome (ten a second each way).
+// Datagrams, and bytes of their IP packets, per second. They include the nodes' Hello and Welcome: ten per second each way.
 struct RemoteRates {
   double packets_up = 0.0;
   double packets_down = 0.0;
@@ -40,20 +43,21 @@ struct RemoteRates {
 // The hand follows the path, whatever the force.
 struct PrescribedTouch {
   ForceComparison force;
-  RemoteRates rates;       // while the hand slides and rests
-  double scene_kb = 0.0;   // size of all parts of the scene that were sent
-  double ready_s = 0.0;    // time until the scene around the hand had arrived
-  std::size_t missed = 0;  // periods in which the machine was stalled
+  RemoteRates rates;      // while the hand slides and rests
+  double scene_kb = 0.0;  // size of all parts of the scene that were sent
+  // Time until the scene around the hand had arrived; at least the half second and the two round trips for which the hand waits.
+  double ready_s = 0.0;
+  std::size_t missed_periods = 0;  // periods in which the machine was stalled; they have no row
   std::vector<ForceRow> rows;
 };
-// Error: what the method needs around the hand does not come within two minutes.
+// Error: what the method needs around the hand has not arrived after two minutes.
 Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
-                                       const RemoteCase& which);
+                                       const RemoteCase& remote_case);
 
-// Hand and device in closed loop, the hand aiming along the path. Measures as in closed_loop/press.h.
+// Hand and device in closed loop: the hand aims along the path. Measures as in closed_loop/press.h.
 struct ClosedLoopTouch {
   bool is_bounded = true;
-  double limit_cycle_m = 0.0;  // half of the largest distance between two positions in the second half of the hand's rest
+  double limit_cycle_m = 0.0;  // half of the largest distance between two positions, while the hand rests, in the second half of that time
   double generated_j = 0.0;    // the largest net energy that the hand had received at any time, less the heat in the device
   double path_error_m = 0.0;   // RMS distance from where the device is with zero delay, sliding and resting
   double most_force_n = 0.0;
@@ -65,11 +69,14 @@ double largest_distance(std::span<const Vec3> positions);
 
 // zero_delay: positions of the same run with method `local`; null: no path error. Error: as run_prescribed, or the hand has no stiffness.
 Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
-                                        const RemoteCase& which, const std::vector<Vec3>* zero_delay);
+                                        const RemoteCase& remote_case, const std::vector<Vec3>* zero_delay);
 
-// The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: with a limit cycle of at most two
-// encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searches upwards to most_n_per_m. Pre: the
-// hand has a stiffness above zero. Error: as run_prescribed.
-Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m);
+// The largest delay of a force that a comparison searches (ForceComparison::time_offset_s) on a network with this round trip.
+double searched_delay_s(double round_trip_s) noexcept;
+
+// The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: it is still
+// (PressMeasures::is_still), and the wall holds at least 0.5 N. 0: it does not even rest at the lowest stiffness tried, 10 N/m. Searched
+// upwards in equal ratios up to most_n_per_m, then by bisection to 2 %. Pre: the hand has a stiffness above zero. Error: as run_prescribed.
+Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& remote_case, double most_n_per_m);
 
 }  // namespace hapton

@@ -68,7 +68,7 @@ SlidePath make_rows(Walker walker, const SlidePlan& plan) {
   SlidePath path;
   const double per_row_m = kApproachSpeed * plan.period_s;
   for (double depth_m = -kClearanceM; depth_m < plan.depth_m; depth_m += per_row_m) path.rows.push_back(walker.row(depth_m));
-  path.sliding = path.rows.size();
+  path.first_sliding_row = path.rows.size();
   // The hand slides to and fro on the same path. The stroke has the same length at every speed, and fits on a mesh of 100 mm.
   const std::size_t stroke_rows = std::max<std::size_t>(1, rows_of(plan.stroke_m / plan.speed_m_per_s, plan.period_s));
   for (std::size_t i = 0; i < rows_of(plan.slide_s, plan.period_s); ++i) {
@@ -77,15 +77,15 @@ SlidePath make_rows(Walker walker, const SlidePlan& plan) {
       walker.advance(plan.speed_m_per_s * plan.period_s);
       path.rows.push_back(walker.row(plan.depth_m));
     } else {
-      const SlideRow row = path.rows[path.sliding - 1 + (step <= stroke_rows ? step : 2 * stroke_rows - step)];
+      const SlideRow row = path.rows[path.first_sliding_row - 1 + (step <= stroke_rows ? step : 2 * stroke_rows - step)];
       path.rows.push_back(row);
     }
   }
-  path.resting = path.rows.size();
+  path.first_resting_row = path.rows.size();
   const SlideRow last = path.rows.back();
   const auto at_depth = [&](double depth_m) { return SlideRow{last.p_SQ, last.outward_S, depth_m}; };
   path.rows.insert(path.rows.end(), rows_of(plan.rest_s, plan.period_s), last);
-  path.leaving = path.rows.size();
+  path.first_leaving_row = path.rows.size();
   for (double depth_m = plan.depth_m - per_row_m; depth_m > -kLeaveM; depth_m -= per_row_m) path.rows.push_back(at_depth(depth_m));
   path.rows.insert(path.rows.end(), rows_of(plan.after_s, plan.period_s), at_depth(-kLeaveM));
   return path;

@@ -33,10 +33,9 @@ struct SlideRow {
 
 struct SlidePath {
   std::vector<SlideRow> rows;
-  // The rows at which the hand begins to slide, to rest, and to leave: to rise from the surface.
-  std::size_t sliding = 0;
-  std::size_t resting = 0;
-  std::size_t leaving = 0;
+  std::size_t first_sliding_row = 0;
+  std::size_t first_resting_row = 0;
+  std::size_t first_leaving_row = 0;  // the hand begins to rise from the surface
 
   // Where a hand with this spring has to aim so that the device follows the rows against a surface of this stiffness.
   HandPath make_hand_path(double hand_n_per_m, double surface_n_per_m, double period_s) const;

@@ -79,6 +79,18 @@ TEST(Press, AHandWithoutASpringPushes) {
   EXPECT_NEAR(run.measures.depth_m, 1e-3, 5e-5);
 }
 
+TEST(Press, IsStillWithinTwoEncoderStepsOrAHundredthOfTheDepth) {
+  constexpr double kStepM = 1e-5;
+  const auto is_still = [](double depth_m, double limit_cycle_m) {
+    return PressMeasures{.depth_m = depth_m, .limit_cycle_m = limit_cycle_m}.is_still(kStepM);
+  };
+  EXPECT_TRUE(is_still(1e-4, 2.0 * kStepM)) << "two steps are more than a hundredth of this depth";
+  EXPECT_FALSE(is_still(1e-4, 2.01 * kStepM));
+  EXPECT_TRUE(is_still(0.01, 0.99e-4)) << "a hundredth of this depth is more than two steps";
+  EXPECT_FALSE(is_still(0.01, 1.01e-4));
+  EXPECT_TRUE(is_still(-0.01, 0.99e-4)) << "outside the wall";
+}
+
 // Without encoder steps and friction: near the limit of stability a motion takes longer to die out than the second that the press lasts.
 TEST(RestStiffness, OfALinearLoopIsBelowTheLimitOfStability) {
   const HandModel hand = *find_hand_preset("stylus");

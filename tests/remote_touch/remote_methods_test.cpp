@@ -40,7 +40,7 @@ struct Rows {
 // Steps the method until it has what it needs; only then the hand comes down.
 Rows run(std::string_view name, const RemoteScene& scene, const RemoteNetwork& network, const RemoteSettings& settings = {}) {
   const auto touch = make_remote_touch(*find_remote_method(name), scene, network, settings);
-  WholeScene whole(scene.near);
+  WholeScene whole(scene.zero_delay_method);
   Rows rows;
   std::int64_t now_ns = 1000 * kMs;
   for (int waited = 0; waited < 20000 && !touch->is_ready(); ++waited) (void)touch->step(hand_at(0, 0.0), now_ns += kMs);

@@ -30,8 +30,8 @@ class RealMesh : public testing::TestWithParam<const char*> {
     scene_ = std::move(*made);
   }
   SlidePath path(double speed_m_per_s, double round_trip_s) {
-    auto made =
-        make_slide_path(*scene_.mesh, *scene_.near, {.seed = 1, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s});
+    auto made = make_slide_path(*scene_.mesh, *scene_.zero_delay_method,
+                                {.seed = 1, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s});
     EXPECT_TRUE(made) << made.error().what;
     return made.value_or(SlidePath{});
   }
@@ -60,13 +60,13 @@ TEST_P(RealMesh, PatchesAreTouchWithoutDelayAtAnyRoundTrip) {
 TEST_P(RealMesh, PatchesAreTheWholeSceneWhereTheMachineStalls) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    RemoteCase which = case_of("patch", 0.1, 0.1, seed);
-    which.stall_s = 0.15;
+    RemoteCase stalling = case_of("patch", 0.1, 0.1, seed);
+    stalling.stall_s = 0.15;
     const SlidePath slide = path(0.1, 0.1);
-    const auto touch = run_prescribed(scene_, slide, device_, which);
+    const auto touch = run_prescribed(scene_, slide, device_, stalling);
     ASSERT_TRUE(touch) << touch.error().what;
-    EXPECT_GT(touch->missed, 1000U);
-    EXPECT_EQ(touch->missed + touch->rows.size(), slide.rows.size()) << "each period of the path is one or the other";
+    EXPECT_GT(touch->missed_periods, 1000U);
+    EXPECT_EQ(touch->missed_periods + touch->rows.size(), slide.rows.size()) << "each period of the path is one or the other";
     EXPECT_EQ(touch->force.falls, 0U);
     EXPECT_LT(touch->force.error_rms, 1e-4);
   }
@@ -123,7 +123,7 @@ TEST(RestStiffness, OfRemoteForceAgreesWithTheoryAndOfPatchesIsThatWithoutDelay)
 TEST(RemoteRun, ASceneThatNeverArrivesIsAnError) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
-  const auto path = make_slide_path(*scene->mesh, *scene->near, {});
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, {});
   ASSERT_TRUE(path);
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
   ASSERT_FALSE(touch);
@@ -140,7 +140,7 @@ TEST(RemoteRun, ASceneThatNeverArrivesIsAnError) {
 TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
-  const auto path = make_slide_path(*scene->mesh, *scene->near, {});
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, {});
   ASSERT_TRUE(path);
   RemoteDevice device = device_of("touch");
   device.hand.stiffness_n_per_m = 0.0;
@@ -149,11 +149,11 @@ TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
   EXPECT_EQ(loop.error().what, "a hand without a spring cannot follow a path");
 }
 
-// In each period a datagram goes each way; in addition, the nodes greet each other ten times a second, with 110 bytes.
+// In each period a datagram goes each way; in addition, ten Hellos and Welcomes per second, of 110 bytes each.
 TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
-  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, {.slide_s = 0.5});
   ASSERT_TRUE(path);
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("remote-held", 0.0, 0.0));
   ASSERT_TRUE(touch) << touch.error().what;
@@ -162,13 +162,18 @@ TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
   EXPECT_NEAR(touch->rates.bytes_up, 1000.0 * static_cast<double>(packet_bytes_of_state()) + 10.0 * 110.0, 1e-3);
   EXPECT_NEAR(touch->rates.bytes_down, 1000.0 * static_cast<double>(packet_bytes_of_force()) + 10.0 * 110.0, 1e-3);
   EXPECT_EQ(touch->scene_kb, 0.0);
-  EXPECT_EQ(touch->missed, 0U);
+  EXPECT_EQ(touch->missed_periods, 0U);
   EXPECT_EQ(touch->rows.size(), path->rows.size());
   const auto patch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 0.0));
   ASSERT_TRUE(patch);
   EXPECT_GT(patch->scene_kb, 10.0);
   EXPECT_LT(patch->scene_kb, 10'000.0);
   EXPECT_GT(patch->ready_s, 0.5);
+}
+
+TEST(RemoteRun, ComparisonsSearchDelaysBeyondTheRoundTrip) {
+  EXPECT_DOUBLE_EQ(searched_delay_s(0.1), 0.15);
+  EXPECT_DOUBLE_EQ(searched_delay_s(0.0), 0.03) << "a force is used for 20 ms";
 }
 
 // The two that are farthest apart do not include the one that is farthest from the first.
@@ -184,7 +189,7 @@ TEST(RemoteRun, TheLargestDistanceIsThatOfAnyTwoPositions) {
 TEST(RemoteRun, ThePathErrorIsADistance) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {.stiffness_n_per_m = 300.0});
   ASSERT_TRUE(scene);
-  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, {.slide_s = 0.5});
   ASSERT_TRUE(path);
   const auto run = [&](const std::vector<Vec3>* zero_delay) {
     const auto touch = run_closed_loop(*scene, *path, device_of("premium-1.5"), case_of("local", 0.0, 0.0), zero_delay);
@@ -192,19 +197,19 @@ TEST(RemoteRun, ThePathErrorIsADistance) {
     return touch.value_or(ClosedLoopTouch{});
   };
   std::vector<Vec3> positions = run(nullptr).p_WD;
-  ASSERT_GT(positions.size(), path->leaving);
+  ASSERT_GT(positions.size(), path->first_leaving_row);
   EXPECT_EQ(run(nullptr).path_error_m, 0.0);
   EXPECT_EQ(run(&positions).path_error_m, 0.0) << "the same run";
   for (Vec3& p_W : positions) p_W += Vec3(0.0, 0.0006, 0.0008);
   EXPECT_NEAR(run(&positions).path_error_m, 0.001, 1e-12);
-  positions.resize(path->sliding);
+  positions.resize(path->first_sliding_row);
   EXPECT_EQ(run(&positions).path_error_m, 0.0) << "nothing to compare";
 }
 
 TEST(RemoteRun, TheSameSeedGivesTheSameRun) {
   const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
   ASSERT_TRUE(scene);
-  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, {.slide_s = 0.5});
   ASSERT_TRUE(path);
   int checked_seeds = 0;
   for (const RemoteMethod& method : remote_methods()) {

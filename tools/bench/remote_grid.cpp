@@ -95,7 +95,7 @@ Result<void> for_each_remote_path(const RemoteGrid& grid, const RemoteScene& sce
   for (std::uint64_t seed = grid.seed; seed < grid.seed + grid.seeds; ++seed) {
     for (const double speed : grid.speeds_m_per_s) {
       for (const double round_trip_s : grid.round_trips_s) {
-        const auto path = make_slide_path(*scene.mesh, *scene.near, plan_of(grid, seed, speed, round_trip_s));
+        const auto path = make_slide_path(*scene.mesh, *scene.zero_delay_method, plan_of(grid, seed, speed, round_trip_s));
         if (!path) return fail("{}: {}", mesh, path.error().what);
         for (const double loss : grid.losses) {
           if (auto done = use(*path, {nullptr, mesh, seed, speed, round_trip_s, loss}); !done) return done;
@@ -130,7 +130,7 @@ Result<std::string> trace_remote(const RemoteGrid& grid) {
   // Shorter than in a measurement, so that a plot of the trace shows single periods.
   plan.slide_s = 2.0;
   plan.rest_s = 0.3;
-  const auto path = make_slide_path(*scene->mesh, *scene->near, plan);
+  const auto path = make_slide_path(*scene->mesh, *scene->zero_delay_method, plan);
   if (!path) return tl::unexpected(path.error());
   std::string columns = "t_s,x_m,y_m,z_m,fx_zero_delay_n,fy_zero_delay_n,fz_zero_delay_n";
   std::vector<std::vector<ForceRow>> traces;

@@ -70,7 +70,6 @@ struct RemoteResults {
 };
 
 constexpr double kMaxWallNPerM = 20'000.0;  // the stiffest wall tried; this result is reported as "> 20000"
-constexpr double kRemotePeriodS = 1e-3;     // period of the device
 
 // Measures the whole grid. progress: called with a line after each path and each set of walls. Error, one line: a mesh cannot be read, no
 // path over it was found, or that of a run (remote_run.h). RT: no.

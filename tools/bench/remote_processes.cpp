@@ -21,12 +21,10 @@ namespace hapton {
 namespace {
 
 // Free choices, all generous enough for a busy machine.
-constexpr double kNodesJoinS = 2.0;          // time for the nodes to join, besides kJoinTrips round trips
-constexpr double kJoinTrips = 8.0;           // round trips for joining, with lost datagrams
-constexpr double kSceneTimeFactor = 1.5;     // time for sending the scene, as a multiple of the time that the simulation needs
-constexpr double kGraceS = 20.0;             // time for the hub to write its report
-constexpr double kSearchedLateFactor = 1.5;  // largest time offset of the force that is searched, as a multiple of the round trip
-constexpr double kMinSearchedLateS = 0.03;   // least value of that largest offset: above the 20 ms for which a force is used
+constexpr double kNodesJoinS = 2.0;       // time for the nodes to join, besides kJoinTrips round trips
+constexpr double kJoinTrips = 8.0;        // round trips for joining, with lost datagrams
+constexpr double kSceneTimeFactor = 1.5;  // time for sending the scene, as a multiple of the time that the simulation needs
+constexpr double kGraceS = 20.0;          // time for the hub to write its report
 
 // A mesh as a scene file for the programs, and the same scene for the comparison.
 struct ProcessScene {
@@ -140,10 +138,10 @@ Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, cons
   if (auto played = run.play(row, grid, seconds); !played) return tl::unexpected(played.error());
   const auto time_of_row = [&](std::size_t i) { return wait_s + kRemotePeriodS * static_cast<double>(i); };
   auto real = evaluate_recording(run.recording(), scene.whole_scene_method,
-                                 {.from_s = time_of_row(path.sliding),
-                                  .to_s = time_of_row(path.leaving),
+                                 {.from_s = time_of_row(path.first_sliding_row),
+                                  .to_s = time_of_row(path.first_leaving_row),
                                   .period_s = kRemotePeriodS,
-                                  .most_late_s = std::max(kSearchedLateFactor * row.round_trip_s, kMinSearchedLateS),
+                                  .most_late_s = searched_delay_s(row.round_trip_s),
                                   .max_force_n = model_a::limits().max_force_n});
   if (!real) return tl::unexpected(real.error());
   row.real = *real;

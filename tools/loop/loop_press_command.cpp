@@ -74,10 +74,9 @@ Result<PressSetup> make_press_setup(const PressOptions& options, const NamedLoop
   return setup;
 }
 
-// Limits the damper to what the device can render: a quarter of the damping that stops the device's mass within one period.
 PassivityStage::Options passivity_options(const DeviceModel& device, double rate_hz) {
   return {.device = {.mass_kg = device.mass_kg, .position_step_m = device.encoder_step_m},
-          .most_damping_ns_per_m = 0.25 * device.mass_kg * rate_hz,
+          .most_damping_ns_per_m = PassivityStage::renderable_damping_ns_per_m(device.mass_kg, rate_hz),
           .max_force_n = device.max_force_n};
 }
 
