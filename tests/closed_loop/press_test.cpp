@@ -80,12 +80,12 @@ TEST(Press, AHandWithoutASpringPushes) {
 }
 
 TEST(Press, IsStillWithinTwoEncoderStepsOrAHundredthOfTheDepth) {
-  constexpr double kStepM = 1e-5;
+  constexpr double kEncoderStepM = 1e-5;
   const auto is_still = [](double depth_m, double limit_cycle_m) {
-    return PressMeasures{.depth_m = depth_m, .limit_cycle_m = limit_cycle_m}.is_still(kStepM);
+    return PressMeasures{.depth_m = depth_m, .limit_cycle_m = limit_cycle_m}.is_still(kEncoderStepM);
   };
-  EXPECT_TRUE(is_still(1e-4, 2.0 * kStepM)) << "two steps are more than a hundredth of this depth";
-  EXPECT_FALSE(is_still(1e-4, 2.01 * kStepM));
+  EXPECT_TRUE(is_still(1e-4, 2.0 * kEncoderStepM)) << "two steps are more than a hundredth of this depth";
+  EXPECT_FALSE(is_still(1e-4, 2.01 * kEncoderStepM));
   EXPECT_TRUE(is_still(0.01, 0.99e-4)) << "a hundredth of this depth is more than two steps";
   EXPECT_FALSE(is_still(0.01, 1.01e-4));
   EXPECT_TRUE(is_still(-0.01, 0.99e-4)) << "outside the wall";
