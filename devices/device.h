@@ -10,22 +10,24 @@
 
 namespace hapton {
 
-// Limits of the hardware. SI units, frame W.
+// Limits of the hardware. SI units, frame W (the world: docs/frames.md). The governor (safety/safety_governor.h) keeps every wrench within
+// them, or within tighter limits, before a device gets it.
 struct DeviceLimits {
   double max_force_n = 0.0;             // norm of the largest force
-  double max_slew_n_per_s = 0.0;        // fastest change of force that the mechanics transmit
-  double max_stiffness_n_per_m = 0.0;   // stiffer walls vibrate; does not limit a force, but sets the governor's damping; 0: unknown
+  double max_slew_n_per_s = 0.0;        // rate limit: the fastest change of the force vector that may be written
+  double max_stiffness_n_per_m = 0.0;   // stiffer walls vibrate. It limits no force: the governor's damping follows from it. 0: unknown
   Vec3 workspace_min_m = Vec3::Zero();  // axis-aligned box the device point stays in
   Vec3 workspace_max_m = Vec3::Zero();
-  double max_torque_nm = 0.0;  // norm of the largest torque; 0: no motor turns the stylus
-  double max_torque_slew_nm_per_s = 0.0;
-  double continuous_force_n = 0.0;  // continuous rating of the motors; 0: max_force_n
-  double peak_s = 0.0;              // how long cold motors may apply max_force_n; 0: unlimited
-  double max_speed_m_per_s = 0.0;   // no hand is faster: above it an encoder is broken or the device out of control; 0: unknown
+  double max_torque_nm = 0.0;             // norm of the largest torque; 0: no motor turns the stylus
+  double max_torque_slew_nm_per_s = 0.0;  // rate limit of the torque
+  double continuous_force_n = 0.0;        // continuous rating of the motors; 0: max_force_n
+  double peak_s = 0.0;                    // how long cold motors may apply max_force_n; 0: unlimited
+  double max_speed_m_per_s = 0.0;         // no hand is faster: above it an encoder is broken or the device out of control; 0: unknown
 };
 
-// The time from zero to the maximum force, for devices of which nothing more is known: half of a quarter period at 30 Hz, the lowest
-// structural frequency of the PHANToM Model A. That is faster than the mechanics transmit a force.
+// If the rate limit of a device is not known, it is set so that the force rises from zero to its maximum in this time: half of a quarter
+// period at 30 Hz, the lowest structural frequency of the PHANToM Model A. Its mechanics do not transmit a force faster than in a quarter
+// period, so this rate limit changes no force that a hand could feel.
 inline constexpr double kForceRiseS = 0.004;
 
 // Force and torque for the motors, frame W.
@@ -61,8 +63,9 @@ struct DeviceCondition {
   double motor_temperature = -1.0;  // 0 cold .. 1 too hot; below 0: not known
 };
 
-// A force-feedback device: 6 DOF in, 3 or 6 DOF out. One thread owns it; now_ns never decreases.
-// RT: read, write, status, condition and limits yes (bounded, no heap, lock, log or throw); making one is set-up only.
+// A force-feedback device: 6 DOF in, 3 or 6 DOF out. now_ns is the time now of the caller's Clock (runtime/clock.h: ns of CLOCK_MONOTONIC,
+// or simulated) and never decreases. RT: set-up only where a function says so, otherwise yes (bounded, no heap, lock, log or throw); making
+// a device is set-up only. Threads: one owns the device.
 class Device {
  public:
   virtual ~Device() = default;
@@ -89,21 +92,27 @@ class Device {
   virtual DeviceStatus status() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept { return {}; }
 
-  // Moves the simulated hand to p_WH; without a target the hand returns to its script. False: a real hand or a recording moves the device.
+  // The next four control a simulated hand. A device that a real hand or a recording moves has none: they return false and do nothing.
+  //
+  // A simulated hand has a script: by itself it searches for the scene, touches it and moves over it (devices/hand_script.h). While it has
+  // a target, it is led: it moves to that target, and its script waits. Point H is where the hand moves to, A is a point of the scene.
+
+  // Leads the simulated hand to p_WH (m). Without a target the hand is no longer led and returns to its script.
   virtual bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept = 0;
 
-  // Buttons that the simulated hand holds down until the next call, one bit each, lowest first; 0: it is not led. False: as above. RT: yes.
+  // Buttons that the simulated hand holds down until the next call, one bit each, lowest first. The caller sets 0 when the hand is no
+  // longer led.
   virtual bool press_hand_buttons(std::uint32_t /*buttons*/) noexcept { return false; }
 
-  // How the simulated hand turns the stylus while it is led, in addition to the tilt of its script: yaw about y, then pitch about x, then
-  // roll about the stylus, rad; the axes are those of the device's own base. The hand turns at the speed of an arm, and returns to zero by
-  // at most half a turn about each axis. The caller sets zero when the lead ends. False: as set_hand_target. RT: yes.
+  // How a led hand turns the stylus, in addition to the tilt of its script: yaw about y, then pitch about x, then roll about the stylus
+  // (rad). The axes are those of the device's own base. The hand turns no faster than an arm, and returns to zero by at most half a turn
+  // about each axis. The caller sets zero when the hand is no longer led.
   virtual bool turn_hand(const Vec3& /*turn_rad*/) noexcept { return false; }
 
-  // The largest number of points in SceneFacts (SceneFacts::kMaxPoints).
+  // The largest number of points that a scene reports (SceneFacts::kMaxPoints in link/messages.h).
   static constexpr std::size_t kMaxAims = 16;
-  // Points of the scene's surface (W) that the simulated hand goes to, each time one at random; only the first kMaxAims are used. Without
-  // points the hand searches for the scene by itself. False: as set_hand_target. RT: yes.
+  // Points of the scene's surface, p_WA (m). The script goes to one of them at random, then to another one; only the first kMaxAims are
+  // used. Without points the script searches for the scene.
   virtual bool aim_hand(std::span<const Vec3> /*p_WA*/) noexcept { return false; }
 };
 

@@ -34,7 +34,7 @@ struct HandIntention {
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
-  static constexpr std::size_t kMaxAims = 16;   // equals Device::kMaxAims
+  static constexpr std::size_t kMaxAims = 16;   // equals Device::kMaxAims, which this header does not see
   static constexpr double kMaxPathSpeed = 1.5;  // m/s; an arm in fast motion
 
   struct Options {

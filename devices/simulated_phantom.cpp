@@ -8,9 +8,9 @@
 
 namespace hapton {
 
-static_assert(HandScript::kMaxAims == Device::kMaxAims);
-
 namespace {
+
+static_assert(HandScript::kMaxAims == Device::kMaxAims);
 
 constexpr double kHandTurnRadPerS = 2.0;  // about each axis: a third of a turn a second, as a hand turns a nut
 constexpr double kGimbalStepRad = 2.0 * std::numbers::pi / model_a::kGimbalCounts;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-static_assert(SceneFacts::kMaxPoints <= Device::kMaxAims, "the simulated hand goes to every point of a scene");
+static_assert(Device::kMaxAims == SceneFacts::kMaxPoints);  // a hand knows every point that a scene reports
 
 void SceneRelay::accept(const SceneFacts& scene, NodeRole role, const std::optional<ViewTransform>& view) noexcept {
   if (role != NodeRole::haptics) {

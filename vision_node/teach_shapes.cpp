@@ -17,15 +17,21 @@ constexpr TeachColour kPlane = {120, 200, 255};
 constexpr TeachColour kNormal = {90, 230, 120};
 constexpr TeachColour kPenetration = {240, 80, 70};
 constexpr TeachColour kSet = {120, 200, 255};
-constexpr TeachColour kFan = {255, 120, 220};
+constexpr TeachColour kFan = {255, 120, 220};  // triangles of the local set that carry normals across an edge
 constexpr TeachColour kHull = {255, 200, 90};
 constexpr TeachColour kCell = {120, 200, 255};
-constexpr TeachColour kHere = {255, 255, 255};
+constexpr TeachColour kHere = {255, 255, 255};  // the hull or cell that contains the proxy
 constexpr TeachColour kNotKnown = {230, 210, 60};
-// Share of the scene's diagonal: a triangle counts as touched up to this distance from the probe. The gap that methods keep is smaller.
+// Share of the scene's diagonal: a triangle counts as in contact up to this distance from the probe. The gap that methods keep is smaller.
 constexpr double kContactShare = 2e-4;
-// Share of the scene's diagonal: half the side of the square that stands for a plane, and the length of a normal.
+// Share of the scene's diagonal: half the side of the square that stands for a plane, and the length of a normal. A free choice.
 constexpr double kPlaneShare = 0.03;
+// Cosine between the normals of two triangles of one flat face: they differ by at most 0.8 degrees. A free choice.
+constexpr double kFlatCosine = 0.9999;
+// A hull is enlarged by this share of its extents before its edges are found, as a flat hull would have none. A free choice.
+constexpr double kHullShare = 1e-6;
+// Share of the known curvatures within the colour scale: the curvature computed at a sharp edge is arbitrary (decision 163).
+constexpr double kScaleShare = 0.95;
 
 void add_triangle(TeachShapes& shapes, const std::array<Vec3, 3>& corner, const TeachColour& colour) {
   // The interior is darker, so that the edges are visible.
@@ -88,7 +94,7 @@ TeachShapes make_contact_shapes(const SmoothScene& scene, const TeachProbe& prob
     add_triangle(shapes, contact.triangle.corner, kTouched);
     // Triangles of one flat face are one constraint.
     const Vec3 normal = normal_of(contact, probe);
-    if (std::any_of(normals.begin(), normals.end(), [&](const Vec3& known) { return known.dot(normal) > 0.9999; })) continue;
+    if (std::any_of(normals.begin(), normals.end(), [&](const Vec3& known) { return known.dot(normal) > kFlatCosine; })) continue;
     normals.push_back(normal);
     add_plane(shapes, contact.closest.point, normal, size);
   }
@@ -121,16 +127,16 @@ TeachShapes make_tree_shapes(const SmoothScene& scene, const TeachProbe& probe, 
   scene.for_each_hull(level, [&]<int K>(std::uint32_t, const FdhHull<K>& hull, std::span<const std::uint32_t>) {
     ++count;
     double distance_squared = 0.0;
-    double diagonal = 0.0;
+    double extents = 0.0;  // sum along the three axes
     for (int i = 0; i < 3; ++i) {
       const double out = std::max({hull.low[i] - probe.p_SP[i], probe.p_SP[i] - hull.high[i], 0.0});
       distance_squared += out * out;
-      diagonal += hull.high[i] - hull.low[i];
+      extents += hull.high[i] - hull.low[i];
     }
     std::vector<HullSlab> slabs;
     for (int i = 0; i < K / 2; ++i) {
       const auto& axis = FdhDirections<K>::kAxis[i];
-      slabs.push_back({Vec3(axis[0], axis[1], axis[2]), hull.low[i] - 1e-6 * diagonal, hull.high[i] + 1e-6 * diagonal});
+      slabs.push_back({Vec3(axis[0], axis[1], axis[2]), hull.low[i] - kHullShare * extents, hull.high[i] + kHullShare * extents});
     }
     hulls.push_back({distance_squared, std::move(slabs)});
     if (hulls.size() < 2 * kMaxTeachHulls) return;
@@ -209,7 +215,7 @@ TeachCurvature find_curvature(const TouchScene& scene) {
     }
   }
   if (sizes.empty()) return found;
-  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(sizes.size() - 1));
+  const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(kScaleShare * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), at, sizes.end());
   found.limit = *at;
   return found;
@@ -255,7 +261,7 @@ TeachShapes make_curvature_shapes(const TouchScene& scene, const TeachCurvature&
     shapes.triangles.push_back(triangle);
   }
   shapes.legend = TeachLegend{curvature.limit, "1/m"};
-  shapes.caption = fmt::format("mean curvature: red convex, blue hollow, yellow not known{}",
+  shapes.caption = fmt::format("mean curvature: red convex, blue concave, yellow not known{}",
                                count > all.size() ? fmt::format("; the {} triangles nearest to the probe", all.size()) : std::string());
   return shapes;
 }
