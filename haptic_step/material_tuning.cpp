@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include "core/base/similar_word.h"
@@ -14,15 +15,18 @@
 namespace hapton {
 namespace {
 
+// MaterialState::Object::object of a change of all objects. It is less than every index, so this change is the first in a state and is
+// applied before the changes of single objects.
 constexpr std::int32_t kAllObjects = -1;
 
-struct Number {
+// A number that a change may have: its bit in MaterialChange::fields, and where it is in a change and in a material.
+struct MaterialNumber {
   std::uint32_t bit;
-  double MaterialChange::*from;
-  double Material::*to;
+  double MaterialChange::*in_change;
+  double Material::*in_material;
 };
 
-constexpr Number kNumbers[] = {
+constexpr MaterialNumber kMaterialNumbers[] = {
     {MaterialChange::kStiffness, &MaterialChange::stiffness_n_per_m, &Material::stiffness_n_per_m},
     {MaterialChange::kDamping, &MaterialChange::damping_ns_per_m, &Material::damping_ns_per_m},
     {MaterialChange::kFrictionStatic, &MaterialChange::friction_static, &Material::friction_static},
@@ -30,30 +34,31 @@ constexpr Number kNumbers[] = {
 };
 
 void apply(const MaterialChange& change, Material& material) {
-  for (const Number& number : kNumbers) {
-    if ((change.fields & number.bit) != 0) material.*number.to = change.*number.from;
+  for (const MaterialNumber& number : kMaterialNumbers) {
+    if ((change.fields & number.bit) != 0) material.*number.in_material = change.*number.in_change;
   }
 }
 
-// The values of the later change replace earlier ones.
+// Adds the numbers of a later change; where both changes have a number, that of the later one replaces the other.
 void merge(const MaterialChange& later, MaterialChange& into) {
-  for (const Number& number : kNumbers) {
-    if ((later.fields & number.bit) != 0) into.*number.from = later.*number.from;
+  for (const MaterialNumber& number : kMaterialNumbers) {
+    if ((later.fields & number.bit) != 0) into.*number.in_change = later.*number.in_change;
   }
   into.fields |= later.fields;
 }
 
-// A value that is not given is zero.
+// Removes the numbers with these bits from a change and sets them to zero: the codec rejects a change with another value there.
 void remove(std::uint32_t bits, MaterialChange& from) {
-  for (const Number& number : kNumbers) {
-    if ((bits & number.bit) != 0) from.*number.from = 0.0;
+  for (const MaterialNumber& number : kMaterialNumbers) {
+    if ((bits & number.bit) != 0) from.*number.in_change = 0.0;
   }
   from.fields &= ~bits;
 }
 
 std::span<MaterialState::Object> objects_of(MaterialState& state) { return std::span(state.objects).first(state.object_count); }
 
-// False: there is no room for another object.
+// Merges a change into that of an object; kAllObjects is allowed. The entries of a state are in ascending order of `object`, as the codec
+// requires. False: there is no room for another entry.
 bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange& change) {
   const auto end = state.objects.begin() + state.object_count;
   const auto at = std::lower_bound(state.objects.begin(), end, object,
@@ -68,7 +73,8 @@ bool merge_into(MaterialState& state, std::int32_t object, const MaterialChange&
   return true;
 }
 
-// A change of all objects replaces the changes of single objects: removes these values from them.
+// Removes the numbers with these bits from all changes of a state, and the changes that have no numbers then. A new change of all objects
+// replaces earlier ones of single objects, which would otherwise be applied after it.
 void remove_from_each(MaterialState& state, std::uint32_t bits) {
   for (MaterialState::Object& one : objects_of(state)) remove(bits, one.change);
   const auto known = objects_of(state);
@@ -96,13 +102,8 @@ std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialSta
   return materials;
 }
 
-MaterialTuning::MaterialTuning(const Scene& scene) { follow(scene); }
-
-void MaterialTuning::follow(const Scene& scene) {
-  scene_ = scene.touch_scene();
-  names_.clear();
+MaterialTuning::MaterialTuning(const Scene& scene) : scene_(scene.touch_scene()) {
   for (const SceneObject& object : scene.objects) names_.push_back(object.name);
-  follow(MaterialState());
 }
 
 std::vector<std::size_t> MaterialTuning::find_objects(std::string_view name) const {
@@ -131,19 +132,22 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
   if (!has_room) {
     return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMaxObjects);
   }
-  Result<void> first_misfit;
-  bool any_fits = false;
+  std::optional<Error> first_error;
+  bool is_any_valid = false;
   for (const std::size_t o : objects) {
     const Material& scene_material = scene_.objects[o].material;
-    const auto fits = check_material(tuned_material(scene_material, static_cast<std::int32_t>(o), new_state), scene_material,
-                                     scene_.objects[o].effects, names_[o]);
-    any_fits = any_fits || fits;
-    if (!fits && first_misfit) first_misfit = fits;
+    const auto checked = check_material(tuned_material(scene_material, static_cast<std::int32_t>(o), new_state), scene_material,
+                                        scene_.objects[o].effects, names_[o]);
+    if (checked) {
+      is_any_valid = true;
+    } else if (!first_error) {
+      first_error = checked.error();
+    }
   }
-  if (!first_misfit && any_fits && name.empty()) {
-    return fail("{}; or change one of the others (--object NAME)", first_misfit.error().what);
+  if (first_error && is_any_valid && name.empty()) {
+    return fail("{}; or change one of the others (--object NAME)", first_error->what);
   }
-  if (!first_misfit) return first_misfit;
+  if (first_error) return tl::unexpected(*first_error);
   state_ = new_state;
   last_objects_ = objects;
   return {};
@@ -151,8 +155,9 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
 
 std::string MaterialTuning::describe_last() const {
   if (last_objects_.empty()) return {};
-  const Material material = tuned_material(scene_.objects[last_objects_[0]].material, static_cast<std::int32_t>(last_objects_[0]), state_);
-  const std::string which = last_objects_.size() == 1 ? fmt::format("object '{}'", printable(names_[last_objects_[0]]))
+  const std::size_t first = last_objects_[0];
+  const Material material = tuned_material(scene_.objects[first].material, static_cast<std::int32_t>(first), state_);
+  const std::string which = last_objects_.size() == 1 ? fmt::format("object '{}'", printable(names_[first]))
                                                       : fmt::format("{} objects, the first", last_objects_.size());
   return fmt::format("{}: stiffness {:g} N/m, damping {:g} Ns/m, friction {:g} / {:g} (static / dynamic)", which,
                      material.stiffness_n_per_m, material.damping_ns_per_m, material.friction_static, material.friction_dynamic);

@@ -16,7 +16,7 @@ struct Scene;
 // coupling_n_per_m (0: none), for ForceMethod::set_materials. Changes of objects that the scene does not have are ignored. RT: set-up only.
 std::vector<Material> tuned_materials(const TouchScene& scene, const MaterialState& state, double coupling_n_per_m);
 
-// Keeps the differences between the materials in use and those of the scene file. RT: no. Threads: one.
+// Keeps the differences between the materials in use and those of the scene file, at first none. RT: no. Threads: one.
 class MaterialTuning {
  public:
   explicit MaterialTuning(const Scene& scene);
@@ -26,23 +26,21 @@ class MaterialTuning {
   // either; more changed objects than a MaterialState holds.
   Result<void> change(const MaterialRequest& request);
 
-  // The scene file was read again and its materials differ by this state, which replaces all earlier changes. Pre: its objects are in this
-  // scene.
-  void follow(const MaterialState& state) {
+  // Replaces all changes by those of `state`: the scene file was read again, and these are the differences between its materials and those
+  // that it had when this was made. Pre: the objects of `state` are in the scene.
+  void reset_to(const MaterialState& state) {
     state_ = state;
     last_objects_.clear();
   }
-  // The scene was replaced by another one: there are no changes.
-  void follow(const Scene& scene);
 
   // The changes now. Its serial, request and rejection are not set.
   const MaterialState& state() const { return state_; }
   // What the last request changed, for the log: "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0.4 / 0.3 (static / dynamic)";
-  // for many objects, their number in place of the name.
+  // for several objects, their number in place of the name, and the numbers of the first. Empty: no request since the last reset_to().
   std::string describe_last() const;
 
  private:
-  std::vector<std::size_t> find_objects(std::string_view name) const;
+  std::vector<std::size_t> find_objects(std::string_view name) const;  // empty name: all
 
   TouchScene scene_;
   std::vector<std::string> names_;

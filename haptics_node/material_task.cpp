@@ -72,7 +72,7 @@ bool MaterialTask::follow_file() {
     state = std::exchange(followed_state_, std::nullopt);
   }
   if (!state) return false;
-  tuning_.follow(*state);
+  tuning_.reset_to(*state);
   auto result = std::make_unique<TunedMaterials>();
   result->state = tuning_.state();
   result->state.request = last_request_;

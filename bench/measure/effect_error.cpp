@@ -18,14 +18,14 @@ namespace {
 // The formula is evaluated this often in a step, so it finds an event (contact, puncture, slip) to 1/64 step, below the sampling error.
 constexpr int kMomentsPerStep = 64;
 
-// The hand already moves when the touch begins, but the velocity estimates and virtual masses of the effects begin at rest. After this
+// The hand already moves at the start of a run, but the velocity estimates and virtual masses of the effects begin at rest. After this
 // time, 25 times the memory of SmoothVelocity at 1 kHz, the difference has died out.
 constexpr double kSettleS = 0.2;
 
 // At the beginning the hand is at least this high above the plane, so that every run begins without contact; a free choice.
 constexpr double kFirstHeightM = 0.2e-3;
 
-// The time of a sample since the touch began; the first sample is one step after that, as in EffectStep.
+// The time of a sample since the start of the motion; the first sample is one step after that, as in EffectStep.
 double time_of(std::size_t sample, double rate_hz) { return static_cast<double>(sample + 1) / rate_hz; }
 
 // A hand that strokes and lifts: on each axis a sum of two waves, from 1.6 mm below the plane to 0.9 mm above it, and at most 0.15 m/s

@@ -67,7 +67,7 @@ TEST_F(TunedScene, WhatTheSceneFileSaysNowIsNoChangeOfTheLastRequest) {
   const std::string nothing = tuning.describe_last();
   EXPECT_EQ(change("hull", stiffness(800.0)), "");
   EXPECT_NE(tuning.describe_last(), nothing);
-  tuning.follow(MaterialState());
+  tuning.reset_to(MaterialState());
   EXPECT_EQ(tuning.describe_last(), nothing);
 }
 
