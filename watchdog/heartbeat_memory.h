@@ -6,7 +6,7 @@
 namespace hapton {
 
 // The number of the descriptor that the watchdog process inherits from io_node and that refers to its page.
-constexpr int kHeartbeatFile = 3;
+constexpr int kHeartbeatDescriptor = 3;
 
 // A HeartbeatPage in memory that is shared with a child process, which inherits its descriptor.
 // RT: set-up only; the page itself is wait-free. Threads: one.

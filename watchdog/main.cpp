@@ -114,11 +114,11 @@ int main(int argc, char** argv) {
         "hapton_watchdog PROCESS PRIORITY\n"
         "Started by io_node, which shares memory with it as descriptor {}. Releases the force of io_node's device\n"
         "when io_node is frozen, killed, or holds a force for too long (docs/safety-case.md).\n",
-        kHeartbeatFile);
+        kHeartbeatDescriptor);
     return 0;
   }
   HeartbeatMemory memory;
-  if (const auto opened = memory.open(kHeartbeatFile); !opened || io_node_pid <= 0) {
+  if (const auto opened = memory.open(kHeartbeatDescriptor); !opened || io_node_pid <= 0) {
     print_text(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }

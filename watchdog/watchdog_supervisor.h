@@ -16,9 +16,11 @@ namespace hapton {
 // started beside it, but not a third one. RT: no. Threads: one.
 class WatchdogSupervisor {
  public:
-  static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;  // time without a heartbeat of the watchdog after which it is restarted
+  // A watchdog is restarted after this long without a heartbeat of it. A new one has the same time for its first heartbeat, and a restart
+  // that failed is tried again after it.
+  static constexpr std::int64_t kWatchdogTimeoutNs = 1'000'000'000;
   // The longest wait for the end of a watchdog that was killed: a hundred times what its end usually takes.
-  static constexpr std::int64_t kEndNs = 100'000'000;
+  static constexpr std::int64_t kMaxKillWaitNs = 100'000'000;
 
   // Path of the program hapton_watchdog in the folder of this executable.
   static std::filesystem::path find_program();
@@ -39,14 +41,14 @@ class WatchdogSupervisor {
 
  private:
   Result<void> spawn();
-  bool end();
+  bool kill_hung();
 
   const HeartbeatMemory* memory_ = nullptr;
   std::filesystem::path program_;
   int priority_ = 0;
   pid_t process_ = 0;
-  pid_t killed_process_ = 0;  // a watchdog that was killed and has not ended yet; 0: none
-  std::int64_t started_ns_ = 0;
+  pid_t unended_process_ = 0;    // an earlier watchdog that was killed and has not ended yet; 0: none
+  std::int64_t started_ns_ = 0;  // when process_ was started, or when a restart last failed; 0: never
   std::uint64_t restarts_ = 0;
 };
 

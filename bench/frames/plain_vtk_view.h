@@ -8,12 +8,15 @@
 
 namespace hapton {
 
-// The program that a VTK user writes to see a mesh with two eyes: one window, two renderers side by side, one mapper and one actor in both.
-// The eyes, the pose, flat shading and one sample a pixel are those of StereoView, so that both draw the same picture; everything else is
-// VTK's default. Frame: W. Units: m, pixels. Threads: one. RT: no.
+// The baseline of frames_bench: the program that a VTK user writes to see a mesh with two eyes. It has one window with two renderers side
+// by side, and one mapper and one actor in both. The positions of the eyes, the pose of the scene, flat shading and one sample per pixel
+// are those of StereoView, so both draw the same mesh from the same places. Everything else is VTK's default: lights, colours, no levels of
+// detail, and cameras that are turned towards the middle of the picture instead of an off-axis projection. Frame: W. Units: m, pixels.
+// Threads: one. RT: no.
 class PlainVtkView {
  public:
-  // mesh: is copied. window: size of the picture of both eyes together. Error: no display (vision_node/display.h).
+  // mesh: is copied. window: size of the picture of both eyes together. offscreen: no window is mapped, but an X display is still needed.
+  // Error: no display (vision_node/display.h).
   static Result<std::unique_ptr<PlainVtkView>> open(const TriangleMesh& mesh, const Framing& framing, PictureSize window, bool offscreen);
   ~PlainVtkView();
 

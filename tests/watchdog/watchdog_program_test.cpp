@@ -97,8 +97,8 @@ TEST_F(WatchedNode, WhenItHasEndedBeforeItsWatchdogBeginsTheDeviceIsTurnedOff) {
     const pid_t watchdog = ::fork();
     if (watchdog == 0) {
       ::dup2(::open(log_path.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
-      ::dup2(memory.file(), kHeartbeatFile);
-      ::fcntl(kHeartbeatFile, F_SETFD, 0);
+      ::dup2(memory.file(), kHeartbeatDescriptor);
+      ::fcntl(kHeartbeatDescriptor, F_SETFD, 0);
       ::execl(HAPTON_BIN_DIR "/hapton_watchdog", "hapton_watchdog", "1", "0", nullptr);  // process 1 is not its parent
       ::_exit(1);
     }

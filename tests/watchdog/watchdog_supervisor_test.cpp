@@ -137,18 +137,18 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
 // The watchdog is stopped, and the test writes its heartbeats: a second without one is permitted, a nanosecond more is not. A watchdog that
 // has ended is replaced however new its heartbeat is.
 TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
-  constexpr std::int64_t kPeerTimeoutNs = WatchdogSupervisor::kPeerTimeoutNs;
+  constexpr std::int64_t kWatchdogTimeoutNs = WatchdogSupervisor::kWatchdogTimeoutNs;
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   const pid_t first = watchdog.id();
   ::kill(first, SIGSTOP);
   ASSERT_EQ(::waitpid(first, nullptr, WUNTRACED), first);
-  const std::int64_t later_ns = clock.now_ns() + 2 * kPeerTimeoutNs;
-  memory.page().watchdog_beat_ns = later_ns - kPeerTimeoutNs;
+  const std::int64_t later_ns = clock.now_ns() + 2 * kWatchdogTimeoutNs;
+  memory.page().watchdog_beat_ns = later_ns - kWatchdogTimeoutNs;
   EXPECT_FALSE(watchdog.restart_if_dead(later_ns));
   EXPECT_EQ(watchdog.id(), first);
   EXPECT_EQ(watchdog.restarts(), 0U);
   EXPECT_EQ(::kill(first, 0), 0);
-  memory.page().watchdog_beat_ns = later_ns - kPeerTimeoutNs - 1;
+  memory.page().watchdog_beat_ns = later_ns - kWatchdogTimeoutNs - 1;
   EXPECT_TRUE(watchdog.restart_if_dead(later_ns));
   const pid_t second = watchdog.id();
   EXPECT_NE(second, first);
@@ -157,7 +157,7 @@ TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
   ::kill(second, SIGKILL);
   siginfo_t ended = {};
   ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(second), &ended, WEXITED | WNOWAIT), 0);
-  const std::int64_t last_ns = clock.now_ns() + 2 * kPeerTimeoutNs;
+  const std::int64_t last_ns = clock.now_ns() + 2 * kWatchdogTimeoutNs;
   memory.page().watchdog_beat_ns = last_ns;
   EXPECT_TRUE(watchdog.restart_if_dead(last_ns));
   EXPECT_NE(watchdog.id(), second);
@@ -188,7 +188,7 @@ TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// A watchdog has kPeerTimeoutNs to begin: before that, restart_if_dead() does not even check whether it has ended.
+// A watchdog has kWatchdogTimeoutNs to begin: before that, restart_if_dead() does not even check whether it has ended.
 TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   const std::int64_t started_ns = clock.now_ns();
@@ -200,7 +200,7 @@ TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-// The watchdog's program was removed: the node continues, and tries again only after kPeerTimeoutNs.
+// The watchdog's program was removed: the node continues, and tries again only after kWatchdogTimeoutNs.
 TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   const std::filesystem::path copy = std::filesystem::path(testing::TempDir()) / fmt::format("watchdog_copy_{}", ::getpid());
   std::filesystem::copy_file(program(), copy, std::filesystem::copy_options::overwrite_existing);
@@ -214,7 +214,7 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   // Its old process id may be another process's by now: no signal may be sent to it.
   EXPECT_EQ(watchdog.id(), 0);
   EXPECT_EQ(watchdog.restarts(), 0U);
-  const auto again = watchdog.restart_if_dead(tried_ns + WatchdogSupervisor::kPeerTimeoutNs);
+  const auto again = watchdog.restart_if_dead(tried_ns + WatchdogSupervisor::kWatchdogTimeoutNs);
   ASSERT_TRUE(again.has_value());
   ASSERT_FALSE(*again) << "its program is not there any more";
   EXPECT_NE(again->error().what.find("cannot be started"), std::string::npos) << again->error().what;
