@@ -57,7 +57,7 @@ std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept { return k
 void ObjectChanges::add(const SessionEntry& entry, const Datagram* datagram) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
   processes_.add(datagram->message);
-  earlier_.add(datagram->message);
+  earlier_.add(*datagram);
   const double t_s = seconds_between(start_ns_, entry.time_ns);
   if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) add_setup(*setup, datagram->header.sender, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&datagram->message)) add_move(*move, datagram->header.sender, t_s);

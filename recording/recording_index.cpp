@@ -98,7 +98,7 @@ void RecordingIndex::add_carves(const Carves& carves, double t_s) {
 void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
   const Message& message = datagram.message;
   const std::uint64_t sender = datagram.header.sender;
-  earlier_.add(message);
+  earlier_.add(datagram);
   const auto* setup = std::get_if<HapticsSetup>(&message);
   const bool is_of_haptics = setup != nullptr || std::holds_alternative<ForceCommand>(message);
   if (is_of_haptics && !is_haptics(sender)) haptics_senders_.push_back(sender);

@@ -208,7 +208,7 @@ class LiveTest(unittest.TestCase):
         node.set([hapton.fields.spring([0, 0, 0], 10.0)])
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 2))
         replies = node.state()["replies"]
-        self.assertTrue(wait_until(lambda: node.state()["replies"] > replies + 1000))
+        self.assertTrue(wait_until(lambda: node.state()["replies"] > replies + 3000))
         node.set([hapton.fields.constant([0, 3.0, 0])])  # above the limit
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 3))
         self.assertTrue(wait_until(lambda: np.allclose(node.state()["force_n"], [0, 3.0, 0], atol=1e-6)))
@@ -302,6 +302,7 @@ class LiveTest(unittest.TestCase):
         def force(hand):
             hands.append((hand.sample, hand.t_s))
             self.assertEqual(hand.velocity_m_per_s.shape, (3,))
+            self.assertEqual(hand.buttons, 0)
             return -30.0 * hand.position_m
 
         # A machine that stands still may leave too little of a short time.
@@ -345,9 +346,10 @@ class LiveTest(unittest.TestCase):
         system.end_io()
         session = hapton.read_session(recording)
         self.assertEqual(session["written_y_n"][-1], 0.0)
-        # Of three last replies one, at least, finds a sample within 20 ms, however busy the machine is.
+        # On a busy machine the last replies, which are none, may come too late for a sample.
         wanted_n = session["wanted_y_n"][np.isfinite(session["wanted_y_n"])]
-        self.assertEqual(set(wanted_n), {0.0, 1.0}, "each force was 1 N, and the last reply is none")
+        self.assertIn(1.0, wanted_n)
+        self.assertLessEqual(set(wanted_n), {0.0, 1.0}, "each force was 1 N, or none at the end")
 
     def test_a_killed_python_leaves_no_force_on_the_motors(self):
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-kill-{os.getpid()}.hapton")

@@ -13,11 +13,12 @@ namespace hapton {
 namespace {
 
 // Adds a message of the haptics node at a time.
-void receive(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
+void receive(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received,
+             std::uint64_t sender = 4) {
   SessionEntry entry;
   entry.kind = kind;
   entry.time_ns = kCyclesStartNs + static_cast<std::int64_t>(1e9 * t_s);
-  const Datagram datagram{{.sender = 4}, message};
+  const Datagram datagram{{.sender = sender}, message};
   changes.add(entry, &datagram);
 }
 
@@ -218,6 +219,33 @@ TEST(ObjectChanges, CarvesBeforeTheFirstReceivedOneAreFromBeforeTheRecording) {
   ASSERT_EQ(changes.carves().size(), 6U);
   for (std::uint32_t n = 0; n < 3; ++n) EXPECT_TRUE(std::isnan(changes.carves()[n].t_s)) << n;
   for (std::uint32_t n = 3; n < 6; ++n) EXPECT_NEAR(changes.carves()[n].t_s, n < 5 ? 0.2 : 0.25, 1e-9) << n;
+}
+
+// A field node that cannot carve, or a haptics node that has ended, states another serial than the process that carves.
+TEST(ObjectChanges, ForcesOfAnotherProcessDoNotDecideWhichCarvesAreEarlier) {
+  for (const std::uint32_t serial_of_other : {0U, 500U}) {
+    ObjectChanges with_force(kCyclesStartNs);
+    constexpr auto kReceived = SessionEntry::Kind::received;
+    receive(with_force, ForceCommand{.carve_serial = serial_of_other}, 0.1, kReceived, 4);
+    receive(with_force, ForceCommand{.carve_serial = 1}, 0.15, kReceived, 5);
+    receive(with_force, ForceCommand{.carve_serial = serial_of_other}, 0.16, kReceived, 4);
+    receive(with_force, ForceCommand{.carve_serial = 2}, 0.17, kReceived, 5);
+    receive(with_force, make_carves(7, 3, 1, 3), 0.2, kReceived, 5);
+    with_force.finish();
+    ASSERT_EQ(with_force.carves().size(), 3U);
+    EXPECT_TRUE(std::isnan(with_force.carves()[0].t_s));
+    EXPECT_NEAR(with_force.carves()[1].t_s, 0.2, 1e-9);
+
+    ObjectChanges announced(kCyclesStartNs);
+    receive(announced, ForceCommand{.carve_serial = serial_of_other}, 0.1, kReceived, 4);
+    receive(announced, make_carves(7, 3, 0, 0), 0.2, kReceived, 5);
+    receive(announced, ForceCommand{.carve_serial = 0}, 0.25, kReceived, 5);
+    receive(announced, make_carves(7, 4, 1, 4), 0.3, kReceived, 5);
+    announced.finish();
+    ASSERT_EQ(announced.carves().size(), 4U);
+    EXPECT_TRUE(std::isnan(announced.carves()[2].t_s));
+    EXPECT_NEAR(announced.carves()[3].t_s, 0.3, 1e-9);
+  }
 }
 
 }  // namespace

@@ -286,7 +286,8 @@ Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexc
 double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
   const PreparedTriangle& shape = contact.face.shape;
   if (contact.near.feature == TriangleFeature::face) return share_on_plane(contact, motion);
-  // At a vertex slip() follows the sphere about it. Without friction, or for a point, only the overshoot is left.
+  // At a vertex slip() follows the sphere about it, unless the sphere overlaps something: then it goes straight, by its radius at most.
+  // Without friction, or for a point, only the overshoot is left.
   if (!is_edge(contact.near.feature)) return has_friction() && is_sphere() ? std::min(1.0, rest_offset_ / motion.norm()) : 0.0;
   const int edge = edge_number(contact.near.feature);
   const Vec3 direction = shape.edge[edge].normalized();
