@@ -136,13 +136,23 @@ void ContactCones::store_results(const LocalContacts& local) noexcept {
     if (!(contact.normal > 0.0)) continue;
     const auto n = static_cast<std::size_t>(contact.index);
     const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
-    forces_[previous_count_] = {contact.index, contact.normal * local.bounds[n].row + wrench(tangential, local.contacts[n].arm),
-                                contact.normal};
     previous_[previous_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
     if (contact.normal < kMinForceShare * largest) continue;
     slip_ = std::max(slip_, std::hypot(contact.tangent_rows[0].dot(scaled_motion_) - contact.slip_start[0],
                                        contact.tangent_rows[1].dot(scaled_motion_) - contact.slip_start[1]));
   }
+}
+
+std::size_t ContactCones::list_forces(const LocalContacts& local, std::span<ContactForce, kMax> forces) const noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Contact& contact = contacts_[i];
+    if (!(contact.normal > 0.0)) continue;
+    const auto n = static_cast<std::size_t>(contact.index);
+    const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
+    forces[count++] = {contact.index, contact.normal * local.bounds[n].row + wrench(tangential, local.contacts[n].arm), contact.normal};
+  }
+  return count;
 }
 
 void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& slip_start,

@@ -35,14 +35,15 @@ class ContactCones {
   void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& slip_start, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
   // The next step does not start from the forces of the last one.
-  void forget() noexcept { previous_count_ = 0; }
+  void forget() noexcept { count_ = previous_count_ = 0; }
 
   // Results of the last step:
   const Vec6& motion() const noexcept { return motion_; }  // from local.proxy; may violate bounds by what the limits above left
   double slip() const noexcept { return slip_; }  // largest since `slip_start`, of contacts with at least 2^-10 of the largest force
   bool holds() const noexcept { return previous_count_ > 0; }  // a contact pushes
-  // Of the contacts that push, valid until the next step. Their sum is what the coupling exerts at motion().
-  std::span<const ContactForce> forces() const noexcept { return {forces_.data(), previous_count_}; }
+  // Writes the forces of the contacts that push; returns their number. Their sum is what the coupling exerts at motion(). local: as in
+  // solve().
+  std::size_t list_forces(const LocalContacts& local, std::span<ContactForce, kMax> forces) const noexcept;
   int rounds() const noexcept { return rounds_; }
 
  private:
@@ -79,8 +80,7 @@ class ContactCones {
   std::size_t count_ = 0;
   std::array<PreviousContact, kMax> previous_ = {};  // those that pushed in the last step
   std::size_t previous_count_ = 0;
-  std::array<ContactForce, kMax> forces_ = {};  // of the same contacts
-  Vec6 scaled_motion_ = Vec6::Zero();           // scaled: the device's motion plus the displacements by all forces
+  Vec6 scaled_motion_ = Vec6::Zero();  // scaled: the device's motion plus the displacements by all forces
   Vec6 motion_ = Vec6::Zero();
   double slip_ = 0.0;
   int rounds_ = 0;

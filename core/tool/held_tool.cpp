@@ -9,18 +9,17 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxActive = 6;  // of LocalContacts::Solution
-
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-std::span<const ContactForce> forces_of(const LocalContacts& contacts, const LocalContacts::Solution& solution,
-                                        std::array<ContactForce, kMaxActive>& forces) {
+// Without friction.
+std::size_t list_forces(const LocalContacts& contacts, const LocalContacts::Solution& solution,
+                        std::span<ContactForce, ContactCones::kMax> forces) {
   const auto count = static_cast<std::size_t>(solution.active_count);
   for (std::size_t k = 0; k < count; ++k) {
     const double multiplier = solution.multipliers[static_cast<Eigen::Index>(k)];
     forces[k] = {solution.active[k], multiplier * contacts.bounds[static_cast<std::size_t>(solution.active[k])].row, multiplier};
   }
-  return {forces.data(), count};
+  return count;
 }
 
 }  // namespace
@@ -152,23 +151,19 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   found.contacts.follow(parts_);
   if (has_changed_) set_friction(found.contacts);
   LocalContacts::Solution solution;
-  std::array<ContactForce, kMaxActive> frictionless_forces;
-  std::span<const ContactForce> forces;
   if (has_friction_) {
     const ToolFriction::Step friction_step = friction_.step(found.contacts, device, parts_);
     goal = friction_step.goal;
     solution = friction_step.solution;
-    forces = friction_step.forces;
     at = friction_step.at;
   } else {
     solution = found.contacts.solve(device);
-    forces = forces_of(found.contacts, solution, frictionless_forces);
     at = solution.at;
   }
   output = tool_->felt_at(input, device, at);
   const Vec3 felt_p_WP = output.X_WP.translation();
   if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn_pose(found, at)).X_WP;
-  find_pushes(found.contacts, forces, output, input.X_WS.linear());
+  find_pushes(found.contacts, solution, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - std::max(age_s_, frozen_s_)) / (kStaleS - kFreshS), 0.0, 1.0);
@@ -193,9 +188,12 @@ Placement HeldTool::drawn_pose(const FoundContacts& found, const Placement& at) 
   return motion.at(1.0 + lateness_share * (found.reach / length - 1.0));
 }
 
-void HeldTool::find_pushes(const LocalContacts& contacts, std::span<const ContactForce> forces, const ToolOutput& felt,
+void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
                            const Mat3& R_WS) noexcept {
-  if (pushes_.empty()) return;
+  if (pushes_.empty() || solution.active_count == 0) return;
+  std::array<ContactForce, ContactCones::kMax> all;
+  const std::size_t count = has_friction_ ? friction_.list_forces(contacts, all) : list_forces(contacts, solution, all);
+  const std::span<const ContactForce> forces(all.data(), count);
   // What a multiplier of 1 means: this force, and the torque of this force at a lever of one local unit.
   const double unit_n = tool_->unit_force_n();
   const double unit_nm = unit_n * tool_->scene().unit_m();

@@ -65,7 +65,7 @@ class HeldTool final : public StylusTool {
   const Lateness& lateness() const noexcept { return lateness_; }
 
   // Fast. The sum of what the contacts with the part exert, opposed. With friction, what their forces leave of the whole
-  // (ToolFriction::Step) is divided among all contacts in proportion to the normal force.
+  // (ToolFriction::list_forces) is divided among all contacts in proportion to the normal force.
   const ToolPush& push_on(std::size_t part) const noexcept override { return pushes_[part]; }
 
   // Slow: moves the proxy towards the newest sample and finds the contacts there. False: there is no new sample.
@@ -86,7 +86,8 @@ class HeldTool final : public StylusTool {
   void move_damping(const ToolInput& input, const Placement& device, double dt_s) noexcept;
   void add_damping(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                    ToolOutput& output) noexcept;
-  void find_pushes(const LocalContacts& contacts, std::span<const ContactForce> forces, const ToolOutput& felt, const Mat3& R_WS) noexcept;
+  void find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
+                   const Mat3& R_WS) noexcept;
 
   struct Sample {
     Placement device = {};

@@ -68,11 +68,11 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   if (solution.active_count == 0 && was_held && turn_between(at_.orientation, solution.at.orientation).norm() > kMaxTurn) {
     const Vec6 back = motion_between(at_, solution.at).shift_and_turn();
     at_ = displaced(at_, (kMaxTurn / back.tail<3>().norm()) * back);
-    return {at_, at_, solution, {}};
+    return {at_, at_, solution};
   }
   if (!is_placed_ || solution.active_count == 0) {
     reset(solution.at);
-    return {solution.at, device, solution, {}};
+    return {solution.at, device, solution};
   }
   const Vec6 present_motion = motion_between(local.proxy, at_).shift_and_turn();
   const Vec6 wanted = motion_between(local.proxy, device).shift_and_turn();
@@ -93,7 +93,6 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   const Vec6 motion = was_held && turn > kMaxTurn ? Vec6(present_motion + (kMaxTurn / turn) * ahead) : cones_.motion();
   step.at = displaced(local.proxy, local.project(motion));
   at_ = step.goal = step.at;
-  step.forces = cones_.forces();
   return step;
 }
 

@@ -37,11 +37,15 @@ class ToolFriction {
     Placement at;                      // pose of the tool, with friction
     Placement goal;                    // for the slow task's proxy: `at`, or the device if the tool is free
     LocalContacts::Solution solution;  // the contacts' solution without friction
-    // What the contacts exert, valid until the next step; the turn of 0.1 rad and bounds that are still violated change their sum.
-    std::span<const ContactForce> forces = {};
   };
   // parts: as in LocalContacts::follow. Without contact the pose is `device`; but a tool that was held turns by 0.1 rad a call at most.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;
+
+  // Writes what the contacts of the last step exert; returns their number. The sum is that of the coupling, except where the turn is
+  // limited to 0.1 rad or bounds are still violated. Pre: Step::solution has active contacts; local: as in step().
+  std::size_t list_forces(const LocalContacts& local, std::span<ContactForce, ContactCones::kMax> forces) const noexcept {
+    return cones_.list_forces(local, forces);
+  }
 
  private:
   void carry_along(std::span<const Placement> parts) noexcept;
